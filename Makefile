@@ -1,0 +1,187 @@
+# geodesicd: exact geodesics on surfaces, as a network service.
+# `make help` lists the targets. Everything that is built goes into $(BUILD).
+
+BUILD   ?= build
+CC      ?= cc
+CXX     ?= c++
+OPT     ?= -O3
+WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
+CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
+CPPFLAGS += -Iengine/include -Iengine -I. -I$(BUILD) -D_GNU_SOURCE
+CFLAGS   += -std=c17 $(OPT) -g -fno-math-errno -ffp-contract=off -fvisibility=hidden -pthread $(CWARN) $(SAN)
+CXXFLAGS += -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WARN) $(SAN)
+LDFLAGS  += -pthread $(SAN)
+
+# Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
+ROOMS   ?= base mesh io wedge field query
+ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
+ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
+PROTO_C   := $(wildcard proto/*.c)
+SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/handlers/*.c))
+no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
+SAMPLES_C := $(call no_main,tests/samples/*.c)
+SUPPORT_C := $(call no_main,tests/support/*.c tests/oracle/*.c)
+
+objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
+
+LIB_ENGINE  := $(BUILD)/libgd.a
+LIB_PROTO   := $(BUILD)/libgd_proto.a
+LIB_SERVER  := $(BUILD)/libgd_server.a
+LIB_SAMPLES := $(BUILD)/libgd_samples.a
+LIB_SUPPORT := $(BUILD)/libgd_support.a
+
+ENGINE_LIBS := -lOpenMeshCore -lm
+SERVER_LIBS := -lmicrohttpd -ljansson -lgnutls -lz
+
+# Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
+TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
+               $(wildcard tests/property/test_*.c tests/oracle/test_*.c tests/samples/test_*.c)
+TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c)
+FUZZERS     := $(wildcard tests/fuzz/fuzz_*.c)
+
+program = $(patsubst %.c,$(BUILD)/%,$(1))
+
+.DEFAULT_GOAL := build
+.DELETE_ON_ERROR:
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build lint format check-layers clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
+
+# --- for people ----------------------------------------------------------------------------------------------------------
+
+# Everything that building, running and testing need, from Debian 12's own packages.
+PACKAGES := build-essential clang clang-format libopenmesh-dev libmicrohttpd-dev libjansson-dev libgnutls28-dev zlib1g-dev \
+            libcmocka-dev libclang-rt-14-dev python3 python3-yaml curl ca-certificates
+SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
+
+setup: ## install what is missing (Debian 12)
+	@missing=$$(for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done); \
+	if [ -n "$$missing" ]; then echo "installing:" $$missing; export DEBIAN_FRONTEND=noninteractive; \
+	    $(SUDO) apt-get -qq update && $(SUDO) apt-get -qq install -y --no-install-recommends $$missing >/dev/null; fi
+
+build: $(BUILD)/geodesicd $(BUILD)/gd_sample ## build the daemon and the sample maker
+
+demo: setup ## set up, build, start the daemon, upload a sample, ask, print answers and the URL
+	@$(MAKE) --no-print-directory -j2 build
+	@clients/curl/demo.sh $(BUILD)
+
+demo-stop: ## stop the demo's daemon
+	@clients/curl/demo.sh --stop $(BUILD)
+
+serve: build ## run the daemon in the foreground
+	$(BUILD)/geodesicd
+
+test: setup ## set up and run all tests
+	@$(MAKE) --no-print-directory -j2 build test-build
+	@$(MAKE) --no-print-directory -j2 asan-build
+	@$(MAKE) --no-print-directory check-layers
+	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) tests/api/run.py
+
+test-unit: test-build ## the C tests only
+	@tests/run.py $(TEST_PROGRAMS)
+
+test-api: build ## the daemon over HTTP only
+	@tests/run.py tests/api/run.py
+
+# --- for developers ------------------------------------------------------------------------------------------------------
+
+TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
+ASAN_BUILD   := $(BUILD)/asan
+ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGINE) $(TEST_SERVER)))
+
+test-build: $(call program,$(TEST_ENGINE) $(TEST_SERVER))
+
+asan-build:
+	@$(MAKE) --no-print-directory BUILD=$(ASAN_BUILD) OPT=-O1 SAN="-fsanitize=address,undefined -fno-sanitize-recover=all" \
+	    test-build build
+
+asan: asan-build ## all tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@GEODESICD=$(ASAN_BUILD)/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(ASAN_BUILD)/%,$(TEST_PROGRAMS)) tests/api/run.py
+
+tsan: ## the daemon's tests under ThreadSanitizer
+	@$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/tsan OPT=-O1 SAN="-fsanitize=thread" build test-build
+	@GEODESICD=$(BUILD)/tsan/geodesicd tests/run.py $(patsubst $(BUILD)/%,$(BUILD)/tsan/%,$(filter $(BUILD)/tests/unit/server/%,$(TEST_PROGRAMS))) tests/api/run.py
+
+check-layers: ## fail if a file includes what its room may not
+	@tests/check_layers.py
+
+format: ## format all C and C++
+	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
+
+lint: check-layers ## formatting, layers, the contract, and a build by the other compiler
+	python3 proto/generate.py check proto/openapi.yaml proto/problem.h
+	clang-format --dry-run -Werror $$(git ls-files '*.c' '*.h' '*.cc')
+	$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/clang CC=clang CXX=clang++ WARN="$(WARN) -Werror" build test-build
+
+clean:
+	rm -rf $(BUILD)
+
+# --- libraries ---------------------------------------------------------------------------------------------------------
+
+$(LIB_ENGINE): $(call objects,$(ENGINE_C) $(ENGINE_CC))
+$(LIB_PROTO): $(call objects,$(PROTO_C))
+$(LIB_SERVER): $(call objects,$(SERVER_C)) $(BUILD)/obj/generated/routes.o $(BUILD)/obj/generated/assets.o
+$(LIB_SAMPLES): $(call objects,$(SAMPLES_C))
+$(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
+
+%.a:
+	@rm -f $@
+	$(AR) rcs $@ $(filter %.o,$^)
+
+$(BUILD)/obj/%.c.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+$(BUILD)/obj/%.cc.o: %.cc
+	@mkdir -p $(@D)
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+
+$(BUILD)/obj/generated/%.o: $(BUILD)/generated/%.c
+	@mkdir -p $(@D)
+	$(CC) $(CPPFLAGS) -Iserver $(CFLAGS) -MMD -MP -c -o $@ $<
+
+# --- programs ----------------------------------------------------------------------------------------------------------
+
+$(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+
+$(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+
+$(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+	@mkdir -p $(@D)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+
+$(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+	@mkdir -p $(@D)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+
+# --- generated sources: the route table and the embedded pages ------------------------------------------------------------
+
+$(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py
+	@mkdir -p $(@D)
+	python3 proto/generate.py routes proto/openapi.yaml > $@
+
+$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(wildcard clients/web/*)
+	@mkdir -p $(@D)
+	python3 proto/generate.py assets proto/openapi.yaml $(wildcard clients/web/*) > $@
+
+# --- fuzzing: clang's libFuzzer with both sanitizers; each target starts from its corpus -------------------------------------------------------
+
+FUZZ_SECONDS ?= 60
+FUZZ_BUILD   := $(BUILD)/fuzz
+FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
+FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
+
+fuzz-build:
+	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
+	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
+
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(LIB_PROTO) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) -ljansson
+
+fuzz: fuzz-build ## fuzz each reader for FUZZ_SECONDS
+	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
+
+-include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

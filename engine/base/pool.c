@@ -1,0 +1,81 @@
+#include "base/pool.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+
+#define CHUNK_FIRST ((size_t)64 << 10)
+#define CHUNK_LAST  ((size_t)64 << 20)
+#define HUGE_PAGE   ((size_t)2 << 20)
+
+struct gd__pool_chunk {
+    struct gd__pool_chunk *next;
+    size_t size;
+};
+
+#define CHUNK_HEADER 64 /* keeps blocks on cache lines */
+
+void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead)
+{
+    *pool = (struct gd__pool){.item_size = item_size, .control = control, .overhead = overhead};
+}
+
+void gd__pool_destroy(struct gd__pool *pool)
+{
+    while (pool->chunks) {
+        struct gd__pool_chunk *next = pool->chunks->next;
+        free(pool->chunks);
+        pool->chunks = next;
+    }
+    *pool = (struct gd__pool){0};
+}
+
+/* Each chunk is as large as all before it together, within bounds; large ones lie on huge pages, which saves most page faults. */
+static size_t next_chunk_size(const struct gd__pool *pool, size_t need)
+{
+    size_t size = pool->bytes < CHUNK_FIRST ? CHUNK_FIRST : pool->bytes;
+    if (size > CHUNK_LAST) size = CHUNK_LAST;
+    if (size < need + CHUNK_HEADER) size = need + CHUNK_HEADER;
+    return size > HUGE_PAGE ? (size + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1) : (size + 63) & ~(size_t)63;
+}
+
+static enum gd_status grow(struct gd__pool *pool, size_t need)
+{
+    size_t size = next_chunk_size(pool, need);
+    enum gd_status status = gd_control_afford(pool->control, pool->overhead + pool->bytes + size);
+    if (status) return status;
+    struct gd__pool_chunk *chunk = aligned_alloc(size >= HUGE_PAGE ? HUGE_PAGE : 64, size);
+    if (!chunk) return GD_NO_MEMORY;
+    if (size >= HUGE_PAGE) madvise(chunk, size, MADV_HUGEPAGE);
+    *chunk = (struct gd__pool_chunk){.next = pool->chunks, .size = size};
+    pool->chunks = chunk;
+    pool->bytes += size;
+    pool->cursor = (char *)chunk + CHUNK_HEADER;
+    pool->end = (char *)chunk + size;
+    return GD_OK;
+}
+
+void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
+{
+    void *block = pool->free_blocks[size_class];
+    if (block) {
+        pool->free_blocks[size_class] = *(void **)block;
+        return block;
+    }
+    size_t size = pool->item_size << size_class;
+    if ((size_t)(pool->end - pool->cursor) < size) {
+        enum gd_status status = grow(pool, size);
+        if (status) {
+            pool->status = status;
+            return NULL;
+        }
+    }
+    block = pool->cursor;
+    pool->cursor += size;
+    return block;
+}
+
+void gd__pool_release(struct gd__pool *pool, void *block, uint32_t size_class)
+{
+    *(void **)block = pool->free_blocks[size_class];
+    pool->free_blocks[size_class] = block;
+}

@@ -1,0 +1,41 @@
+/* Pool: blocks of 2^k items from few large chunks, each size with its own free list; everything is given back at once.
+ *
+ * One owner, one thread. Blocks are never moved. A block may be released and is then reused for the same size; destroying the pool frees all. */
+#ifndef GD_BASE_POOL_H
+#define GD_BASE_POOL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "gd/control.h"
+
+#define GD__POOL_CLASSES 32
+
+struct gd__pool_chunk;
+
+struct gd__pool {
+    size_t item_size;                 /* >= sizeof(void *) */
+    const struct gd_control *control; /* its budget is asked before a chunk is taken; may be NULL */
+    struct gd__pool_chunk *chunks;
+    char *cursor, *end; /* the unused rest of the newest chunk */
+    void *free_blocks[GD__POOL_CLASSES];
+    size_t bytes; /* of all chunks; what the owner has outside counts in `overhead` */
+    size_t overhead;
+    enum gd_status status; /* why the last request failed */
+};
+
+void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead);
+void gd__pool_destroy(struct gd__pool *pool);
+
+/* Smallest class whose blocks hold `count` items: a block of class k holds 2^k. */
+static inline uint32_t gd__pool_class(uint32_t count)
+{
+    return count <= 4 ? 2 : 32 - (uint32_t)__builtin_clz(count - 1);
+}
+
+/* A block of 2^size_class items, uninitialised; NULL when out of memory or budget (pool->status says which). */
+void *gd__pool_take(struct gd__pool *pool, uint32_t size_class);
+
+void gd__pool_release(struct gd__pool *pool, void *block, uint32_t size_class);
+
+#endif

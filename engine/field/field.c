@@ -1,0 +1,174 @@
+#include "field/layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- building ------------------------------------------------------------------------------------------------------------ */
+
+static enum gd_status check_request(const struct gd_field_request *request, struct gd_detail *detail)
+{
+    if (!request->seed_count) return gd_fail(detail, GD_INVALID_ARGUMENT, "a field needs at least one source point");
+    if (!(request->radius >= 0))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
+    for (uint32_t i = 0; i < request->seed_count; i++)
+        if (!(request->seeds[i].offset >= 0 && isfinite(request->seeds[i].offset)))
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
+                           i);
+    return GD_OK;
+}
+
+static int by_face(const void *a, const void *b)
+{
+    const struct gd__face_seed *x = a, *y = b;
+    if (x->face != y->face) return x->face < y->face ? -1 : 1;
+    return (x->seed > y->seed) - (x->seed < y->seed);
+}
+
+/* Seeds inside faces and on edges, by each face that contains them; those at vertices are found through the vertex. */
+static enum gd_status index_face_seeds(struct gd_field *field)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
+    if (!field->face_seeds) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < field->seed_count; i++) {
+        const struct gd_point *point = &field->seeds[i].point;
+        uint32_t faces[2] = {GD_NONE, GD_NONE};
+        if (point->kind == GD_POINT_FACE) faces[0] = point->element;
+        if (point->kind == GD_POINT_EDGE)
+            for (uint32_t k = 0; k < 2; k++) faces[k] = mesh->side_face[2 * point->element + k];
+        for (int k = 0; k < 2; k++)
+            if (faces[k] != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){faces[k], i};
+    }
+    qsort(field->face_seeds, field->face_seed_count, sizeof *field->face_seeds, by_face);
+    return GD_OK;
+}
+
+static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_request *request)
+{
+    field->seed_count = request->seed_count;
+    field->seeds = malloc(sizeof *field->seeds * request->seed_count);
+    if (!field->seeds) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < request->seed_count; i++)
+        field->seeds[i] =
+            (struct gd__seed){.point = request->seeds[i].point, .offset = request->seeds[i].offset / field->mesh->unit};
+    return index_face_seeds(field);
+}
+
+static size_t count_bytes(const struct gd_field *field)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    return sizeof *field + mesh->vertex_count * (sizeof *field->distance + sizeof *field->birth) +
+           ((size_t)mesh->edge_count + 1) * sizeof *field->first + field->statistics.wedges * sizeof *field->wedges +
+           field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
+}
+
+enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                              const struct gd_control *control, const struct gd_executor *executor,
+                              struct gd_field **out, struct gd_detail *detail)
+{
+    enum gd_status status = check_request(request, detail);
+    if (status) return status;
+    uint64_t start = gd_now_ns();
+    struct gd_field *field = calloc(1, sizeof *field);
+    if (!field) return GD_NO_MEMORY;
+    atomic_init(&field->references, 1);
+    field->mesh = gd_mesh_retain(mesh);
+    struct gd__sink keep_wedges = {.take = gd__field_take, .user = field};
+    status = copy_seeds(field, request);
+    struct gd__propagation propagation = {.seeds = field->seeds,
+                                          .seed_count = field->seed_count,
+                                          .radius = request->radius > 0 ? request->radius / mesh->unit : GD__FAR,
+                                          .target = request->target};
+    if (!status) status = gd__wavefront_run(mesh, &propagation, &keep_wedges, control, executor);
+    if (status) {
+        gd_field_release(field);
+        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    }
+    field->bytes = count_bytes(field);
+    field->statistics.build_ns = gd_now_ns() - start;
+    *out = field;
+    return GD_OK;
+}
+
+/* --- life ---------------------------------------------------------------------------------------------------------------- */
+
+struct gd_field *gd_field_retain(const struct gd_field *field)
+{
+    struct gd_field *shared = (struct gd_field *)field; /* the count is the only part that changes */
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_field_release(const struct gd_field *field)
+{
+    struct gd_field *shared = (struct gd_field *)field;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    gd_mesh_release(shared->mesh);
+    free(shared->distance);
+    free(shared->birth);
+    free(shared->first);
+    free(shared->wedges);
+    free(shared->seeds);
+    free(shared->face_seeds);
+    free(shared);
+}
+
+size_t gd_field_memsize(const struct gd_field *field)
+{
+    return field->bytes;
+}
+
+const struct gd_mesh *gd_field_mesh(const struct gd_field *field)
+{
+    return field->mesh;
+}
+
+const struct gd_field_statistics *gd_field_statistics(const struct gd_field *field)
+{
+    return &field->statistics;
+}
+
+bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out)
+{
+    if (field->seed_count != 1 || field->seeds[0].offset != 0) return false;
+    *out = field->seeds[0].point;
+    return true;
+}
+
+/* --- distances ----------------------------------------------------------------------------------------------------------- */
+
+double gd_field_reach(const struct gd_field *field)
+{
+    return field->reach < GD__FAR ? field->reach * field->mesh->unit : INFINITY;
+}
+
+const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
+{
+    uint32_t lo = 0, hi = field->face_seed_count;
+    while (lo < hi) {
+        uint32_t middle = lo + (hi - lo) / 2;
+        if (field->face_seeds[middle].face < face)
+            lo = middle + 1;
+        else
+            hi = middle;
+    }
+    return field->face_seeds + lo;
+}
+
+enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out)
+{
+    struct gd__leg leg = gd__field_leg(field, point);
+    if (leg.distance > field->reach) return GD_BEYOND_REACH;
+    *out = leg.kind == GD__LEG_NONE ? INFINITY : leg.distance * field->mesh->unit;
+    return GD_OK;
+}
+
+void gd_field_vertex_distances(const struct gd_field *field, double *out)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
+        uint32_t vertex = mesh->vertex_of_index[i];
+        double distance = vertex == GD_NONE ? NAN : field->distance[vertex];
+        out[i] = distance >= GD__FAR || distance > field->reach ? INFINITY : distance * mesh->unit;
+    }
+}

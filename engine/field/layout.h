@@ -1,0 +1,85 @@
+/* A field from the inside: final-stage wedges, one sorted list an edge, 24 bytes a wedge.
+ *
+ * Inside unit and numbering of the mesh. A wedge reaches to where the next one of its edge begins, the last one to the edge's end. */
+#ifndef GD_FIELD_LAYOUT_H
+#define GD_FIELD_LAYOUT_H
+
+#include <stdatomic.h>
+
+#include "gd/field.h"
+#include "wedge/wavefront.h"
+
+struct gd__wedge {
+    double x,
+        y; /* pseudo-source in the frame of side 0 of the edge; the sign of y tells on which side of the edge it lies */
+    uint32_t b0; /* start: parameter / length in units of 2^-32 */
+    uint32_t
+        source; /* pseudo-source: a vertex, or vertex_count + number of the seed; GD_NONE: a gap, covered by the edge's ends */
+};
+
+/* A seed that is not at a vertex, by a face that contains it. */
+struct gd__face_seed {
+    uint32_t face, seed;
+};
+
+struct gd_field {
+    atomic_uint references;
+    const struct gd_mesh *mesh;
+    double reach;            /* inside unit; GD__FAR: complete */
+    double *distance;        /* per vertex */
+    struct gd__birth *birth; /* per vertex */
+    uint32_t *first;         /* per edge and one more: its wedges */
+    struct gd__wedge *wedges;
+    struct gd__seed *seeds;
+    uint32_t seed_count;
+    struct gd__face_seed *face_seeds; /* sorted by face */
+    uint32_t face_seed_count;
+    size_t bytes;
+    struct gd_field_statistics statistics;
+};
+
+#define GD__WEDGE_UNIT (1.0 / 4294967296.0) /* of the edge's length */
+
+static inline double gd__field_sigma(const struct gd_field *field, uint32_t source)
+{
+    uint32_t vertices = field->mesh->vertex_count;
+    return source < vertices ? field->distance[source] : field->seeds[source - vertices].offset;
+}
+
+/* compact.c: the sink that keeps wedges: merges the two sides of every edge into one list and packs it into the field. */
+enum gd_status gd__field_take(void *field, struct gd__wavefront *front, const struct gd_executor *executor);
+
+/* The first of face_seeds that lies in `face`; those after it with the same face follow. */
+const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face);
+
+/* How the shortest path to a point ends: its last leg. */
+enum gd__leg_kind {
+    GD__LEG_NONE,   /* no path */
+    GD__LEG_VERTEX, /* straight from a vertex of the face (or it is that vertex) */
+    GD__LEG_SEED,   /* straight from a seed in the face */
+    GD__LEG_WEDGE   /* across `side` at `parameter` */
+};
+
+struct gd__leg {
+    double distance;
+    enum gd__leg_kind kind;
+    uint32_t face; /* in which the leg ends */
+    uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED: the seed */
+    uint32_t side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0 */
+    double parameter, x, y;
+    uint32_t source; /* GD_NONE: the leg is clamped to the wedge's end, the path bends there */
+};
+
+/* The best leg to a point over all faces that contain it. */
+struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
+
+/* A point in the frame of side k of a face, from its barycentric coordinates by corner. */
+struct gd__local {
+    double x, y;
+};
+struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3]);
+
+/* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it. */
+void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
+
+#endif

@@ -1,0 +1,272 @@
+#include "field/layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by the births, until a seed is reached. A leg
+ * is a straight line through unfolded faces, so one frame at a time suffices: where it crosses the edge, and where the source's image lies. */
+
+struct trace {
+    const struct gd_field *field;
+    const struct gd_mesh *mesh;
+    struct gd_path path;
+    uint32_t capacity;
+    uint64_t steps_left; /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
+    enum gd_status status;
+};
+
+/* Where a leg ended. */
+struct stop {
+    enum { STOP_VERTEX, STOP_SEED, STOP_BEND } kind;
+    uint32_t vertex;       /* STOP_VERTEX */
+    struct gd_point point; /* STOP_BEND: a point of an edge */
+};
+
+/* A ray in the frame of a side of the face it is in: crosses the side at t, its source's image lies across at (x, -y). */
+struct ray {
+    uint32_t side, source;
+    double t, x, y;
+};
+
+/* --- the polyline -------------------------------------------------------------------------------------------------------- */
+
+static void append(struct trace *trace, struct gd_point point, double length)
+{
+    struct gd_path *path = &trace->path;
+    if (trace->status || (path->count && gd_point_equal(&path->points[path->count - 1], &point))) return;
+    if (path->count == trace->capacity) {
+        uint32_t capacity = trace->capacity ? 2 * trace->capacity : 16;
+        struct gd_point *points = realloc(path->points, sizeof *points * (size_t)capacity);
+        if (!points) {
+            trace->status = GD_NO_MEMORY;
+            return;
+        }
+        path->points = points;
+        trace->capacity = capacity;
+    }
+    path->points[path->count++] = point;
+    path->length += length;
+}
+
+/* Appends a point of a face in which the last point lies too. The length is that of the segment itself, measured in the face: nothing of the
+ * distances that the wedges gave enters it, so that the two can be compared. */
+static void append_in_face(struct trace *trace, struct gd_point point, uint32_t face)
+{
+    if (trace->status) return;
+    double from[3], to[3];
+    gd__point_weights(trace->mesh, &trace->path.points[trace->path.count - 1], face, from);
+    gd__point_weights(trace->mesh, &point, face, to);
+    uint32_t side = trace->mesh->face_side[face][0];
+    struct gd__local a = gd__face_local(trace->mesh, side, from), b = gd__face_local(trace->mesh, side, to);
+    append(trace, point, sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y)));
+}
+
+static struct gd_point vertex_point(uint32_t vertex)
+{
+    return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
+}
+
+/* The point at parameter t of a side; the edge's end when it is within rounding of it. */
+static struct gd_point side_point(const struct gd_mesh *mesh, uint32_t side, double t)
+{
+    double length = mesh->side[side].length;
+    if (t <= GD_TOL_SNAP * length) return vertex_point(mesh->origin[side]);
+    if (t >= (1 - GD_TOL_SNAP) * length) return vertex_point(mesh->origin[side ^ 1]);
+    double weight = t / length;
+    return (struct gd_point){.kind = GD_POINT_EDGE, .element = side >> 1, .weight = {side & 1 ? 1 - weight : weight}};
+}
+
+/* --- one leg ------------------------------------------------------------------------------------------------------------- */
+
+static struct stop stop_at(struct gd_point point)
+{
+    if (point.kind == GD_POINT_VERTEX) return (struct stop){.kind = STOP_VERTEX, .vertex = point.element};
+    return (struct stop){.kind = STOP_BEND, .point = point};
+}
+
+/* Is the source in the face of `side`, and there at (x, y)? Then the leg ends. */
+static bool arrived(const struct trace *trace, uint32_t side, double x, double y, uint32_t source)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    const struct gd_side *s = &mesh->side[side];
+    struct gd_point point =
+        source < mesh->vertex_count ? vertex_point(source) : trace->field->seeds[source - mesh->vertex_count].point;
+    uint32_t face = mesh->side_face[side];
+    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    double weight[3];
+    if (point.kind == GD_POINT_FACE && point.element != face) return false;
+    gd__point_weights(mesh, &point, face, weight);
+    if (weight[0] + weight[1] + weight[2] == 0) return false;
+    struct gd__local at = gd__face_local(mesh, side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    double tolerance = GD_TOL_ARRIVED * (s->length + s->left_length);
+    return fabs(at.x - x) <= tolerance && fabs(at.y - y) <= tolerance;
+}
+
+static struct stop arrive(struct trace *trace, uint32_t face, uint32_t source)
+{
+    if (source < trace->mesh->vertex_count) {
+        append_in_face(trace, vertex_point(source), face);
+        return (struct stop){.kind = STOP_VERTEX, .vertex = source};
+    }
+    append_in_face(trace, trace->field->seeds[source - trace->mesh->vertex_count].point, face);
+    return (struct stop){.kind = STOP_SEED};
+}
+
+/* The ray enters the face of `entry` at (t, 0), its source at (x, y) above: the side by which it leaves, in that side's frame. */
+static struct ray leave_face(const struct gd_mesh *mesh, uint32_t entry, double t, double x, double y, uint32_t source)
+{
+    const struct gd_side *s = &mesh->side[entry];
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, dx = x - t, dy = y;
+    if ((px - t) * dy - py * dx > 0) {
+        double ux = s->left_x, uy = s->left_y, rx = x - px, ry = y - py;
+        double along = dy * t / (dy * ux - dx * uy); /* from the origin towards the apex */
+        return (struct ray){.side = s->left ^ 1,
+                            .source = source,
+                            .t = s->left_length - along,
+                            .x = -(rx * ux + ry * uy),
+                            .y = fmax(ux * ry - uy * rx, 0)};
+    }
+    double vx = s->right_x, vy = s->right_y, rx = x - s->length, ry = y;
+    double along = -(dx * py - dy * (px - t)) / (dx * vy - dy * vx); /* from the apex towards the destination */
+    return (struct ray){.side = s->right ^ 1,
+                        .source = source,
+                        .t = s->right_length - along,
+                        .x = -(rx * vx + ry * vy),
+                        .y = fmax(vx * ry - vy * rx, 0)};
+}
+
+/* Follows a ray from face to face until it reaches its source or passes through a vertex. */
+static struct stop follow(struct trace *trace, struct ray ray)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    while (trace->steps_left-- && !trace->status) {
+        struct gd_point crossing = side_point(mesh, ray.side, ray.t);
+        append_in_face(trace, crossing, mesh->side_face[ray.side]);
+        if (crossing.kind == GD_POINT_VERTEX) return stop_at(crossing);
+        uint32_t entry = ray.side ^ 1;
+        if (gd__side_is_boundary(mesh, entry)) break;
+        double length = mesh->side[entry].length, t = length - ray.t, x = length - ray.x;
+        if (arrived(trace, entry, x, ray.y, ray.source)) return arrive(trace, mesh->side_face[entry], ray.source);
+        ray = leave_face(mesh, entry, t, x, ray.y, ray.source);
+    }
+    if (!trace->status) trace->status = GD_INTERNAL;
+    return (struct stop){.kind = STOP_SEED};
+}
+
+/* --- from stop to stop --------------------------------------------------------------------------------------------------- */
+
+static struct stop go_along_edge(struct trace *trace, uint32_t vertex, uint32_t source)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    if (source < mesh->vertex_count) {
+        append(trace, vertex_point(source), mesh->side[gd__side_between(mesh, vertex, source)].length);
+        return (struct stop){.kind = STOP_VERTEX, .vertex = source};
+    }
+    const struct gd_point *seed = &trace->field->seeds[source - mesh->vertex_count].point;
+    if (seed->kind == GD_POINT_EDGE) {
+        uint32_t side = 2 * seed->element;
+        append_in_face(trace, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
+    }
+    return (struct stop){.kind = STOP_SEED};
+}
+
+/* From a vertex by its birth. */
+static struct stop go_from_vertex(struct trace *trace, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    struct gd__birth birth = trace->field->birth[vertex];
+    if (birth.side == GD_NONE) return go_along_edge(trace, vertex, birth.source);
+    const struct gd_side *s = &mesh->side[birth.side];
+    if (birth.source == GD_NONE) {
+        struct gd_point bend = side_point(mesh, birth.side, birth.x);
+        append_in_face(trace, bend, mesh->side_face[birth.side]);
+        return stop_at(bend);
+    }
+    if (arrived(trace, birth.side, birth.x, -birth.y, birth.source))
+        return arrive(trace, mesh->side_face[birth.side], birth.source);
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, height = birth.y + py;
+    double t = height > 0 ? birth.x + (px - birth.x) * (birth.y / height) : birth.x;
+    return follow(trace, (struct ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
+}
+
+/* From a point of an edge or a face by its leg. */
+static struct stop go_by_leg(struct trace *trace, const struct gd__leg *leg)
+{
+    switch (leg->kind) {
+    case GD__LEG_VERTEX:
+        append_in_face(trace, vertex_point(leg->from), leg->face);
+        break;
+    case GD__LEG_SEED:
+        append_in_face(trace, trace->field->seeds[leg->from].point, leg->face);
+        return (struct stop){.kind = STOP_SEED};
+    case GD__LEG_WEDGE:
+        if (leg->source == GD_NONE) {
+            struct gd_point bend = side_point(trace->mesh, leg->side, leg->parameter);
+            append_in_face(trace, bend, leg->face);
+            return stop_at(bend);
+        }
+        return follow(
+            trace,
+            (struct ray){.side = leg->side, .source = leg->source, .t = leg->parameter, .x = leg->x, .y = leg->y});
+    case GD__LEG_NONE:
+        trace->status = GD_INTERNAL;
+        break;
+    }
+    return (struct stop){.kind = STOP_VERTEX, .vertex = leg->from};
+}
+
+static void trace_back(struct trace *trace, const struct gd_point *point, const struct gd__leg *first)
+{
+    append(trace, *point, 0);
+    struct stop stop = point->kind == GD_POINT_VERTEX ? stop_at(*point) : go_by_leg(trace, first);
+    while (stop.kind != STOP_SEED && !trace->status) {
+        if (!trace->steps_left--) {
+            trace->status = GD_INTERNAL;
+        } else if (stop.kind == STOP_VERTEX) {
+            stop = go_from_vertex(trace, stop.vertex);
+        } else {
+            struct gd__leg leg = gd__field_leg(trace->field, &stop.point);
+            stop = go_by_leg(trace, &leg);
+        }
+    }
+}
+
+/* Offset of the seed that the path ended in: what the distance has more than the path. */
+static double seed_offset(const struct trace *trace)
+{
+    if (trace->status) return 0;
+    const struct gd_field *field = trace->field;
+    const struct gd_point *last = &trace->path.points[trace->path.count - 1];
+    double least = GD__FAR;
+    for (uint32_t i = 0; i < field->seed_count; i++)
+        if (gd_point_equal(&field->seeds[i].point, last) && field->seeds[i].offset < least)
+            least = field->seeds[i].offset;
+    return least;
+}
+
+enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    struct gd__leg leg = gd__field_leg(field, point);
+    if (leg.distance > field->reach) return GD_BEYOND_REACH;
+    if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
+    struct trace trace = {
+        .field = field, .mesh = mesh, .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
+    trace_back(&trace, point, &leg);
+    double offset = seed_offset(&trace), slack = GD_TOL_CHECK * leg.distance + GD_TOL_BETTER;
+    if (!trace.status && !(fabs(trace.path.length + offset - leg.distance) <= slack)) trace.status = GD_INTERNAL;
+    if (trace.status) {
+        gd_path_free(&trace.path);
+        return trace.status;
+    }
+    trace.path.length *= mesh->unit;
+    *out = trace.path;
+    return GD_OK;
+}
+
+void gd_path_free(struct gd_path *path)
+{
+    if (!path) return;
+    free(path->points);
+    *path = (struct gd_path){0};
+}

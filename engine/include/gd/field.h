@@ -1,0 +1,86 @@
+/* Field: the exact geodesic distance from a set of source points, kept as the final-stage wedges of every edge.
+ *
+ *     struct gd_seed seed = {.point = p};
+ *     struct gd_field *field;
+ *     if (gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL) == GD_OK) {
+ *         double distance;
+ *         if (gd_field_distance(field, &q, &distance) == GD_OK) printf("%.17g\n", distance);
+ *         gd_field_release(field);
+ *     }
+ *
+ * Source: Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data structures" (Definition 1, rules C1 and
+ * C2, Properties 1-7), after Mitchell, Mount and Papadimitriou 1987. A field is immutable once built and keeps its mesh alive; any number of
+ * threads may read it. */
+#ifndef GD_FIELD_H
+#define GD_FIELD_H
+
+#include "gd/executor.h"
+#include "gd/path.h"
+
+struct gd_field;
+
+struct gd_seed {
+    struct gd_point point;
+    double offset; /* >= 0, added to every distance from this seed */
+};
+
+struct gd_field_request {
+    const struct gd_seed *seeds; /* borrowed; at least one */
+    uint32_t seed_count;
+    double radius;                 /* stop there; 0: no limit */
+    const struct gd_point *target; /* stop when this point's distance is final (the paper's Property 5); NULL: none */
+};
+
+/* Propagates wedges from the seeds and keeps the final ones. `control`, `executor` and `detail` may be NULL.
+ * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+ * Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
+GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                                          const struct gd_control *control, const struct gd_executor *executor,
+                                          struct gd_field **out, struct gd_detail *detail);
+
+struct gd_field *gd_field_retain(const struct gd_field *field);
+void gd_field_release(const struct gd_field *field); /* NULL is harmless */
+size_t gd_field_memsize(const struct gd_field *field);
+const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
+
+/* Distances up to here are final and answered; INFINITY for a complete field. */
+double gd_field_reach(const struct gd_field *field);
+
+/* True when the field has one seed, without offset: `*out` is its point. */
+bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out);
+
+struct gd_field_statistics {
+    uint64_t windows_created, windows_propagated, wedges; /* offered to lists, propagated, kept */
+    uint64_t sides_propagated, vertices_emitted;
+    uint64_t build_ns;
+};
+
+const struct gd_field_statistics *gd_field_statistics(const struct gd_field *field);
+
+/* Distance at a point. INFINITY: no path (another component). GD_BEYOND_REACH: a partial field does not know. O(wedges of a face's edges). */
+GD_MUST_USE enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out);
+
+/* Distance at every vertex index of the input (`out`: index_count doubles): INFINITY where there is no path or beyond the reach, NaN for
+ * unreferenced vertices. */
+void gd_field_vertex_distances(const struct gd_field *field, double *out);
+
+/* The shortest path from `point` back to its nearest seed; free it by gd_path_free. The polyline's own length is compared with the distance
+ * (1e-9 relative): GD_INTERNAL if they differ. GD_NOT_ON_SURFACE: no path. GD_BEYOND_REACH, GD_NO_MEMORY. O(crossings). */
+GD_MUST_USE enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
+                                         struct gd_path *out);
+
+/* A final-stage wedge of an edge, Definition 1 of the paper: parameters b0 < b1 and the distances d0, d1 of the pseudo-source to those
+ * ends, in the caller's unit along the edge from its lower-numbered vertex; sigma: distance of the pseudo-source; tau: true when it lies
+ * to the left of the edge in that direction (in the face that runs from the lower to the higher vertex). */
+struct gd_wedge {
+    double b0, b1, d0, d1, sigma;
+    bool tau;
+    bool at_vertex;  /* the pseudo-source is a vertex, else it is a seed */
+    uint32_t source; /* input index of that vertex, or number of that seed */
+};
+
+/* The wedges of the edge a-b, sorted by b0: *count of them in `*out`, malloc'ed, owned by the caller. GD_NO_SUCH_EDGE, GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a, struct gd_vertex b,
+                                           struct gd_wedge **out, uint32_t *count);
+
+#endif

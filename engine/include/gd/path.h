@@ -1,0 +1,17 @@
+/* Path: a polyline on the surface, consecutive points within one face. */
+#ifndef GD_PATH_H
+#define GD_PATH_H
+
+#include <stdint.h>
+
+#include "gd/point.h"
+
+struct gd_path {
+    double length;           /* of the polyline itself */
+    uint32_t count;          /* points, at least 1 */
+    struct gd_point *points; /* first = from, last = to */
+};
+
+void gd_path_free(struct gd_path *path); /* frees the points and zeroes; NULL is harmless */
+
+#endif

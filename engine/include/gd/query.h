@@ -1,0 +1,26 @@
+/* Query: questions people ask, each answered by the cheapest exact means.
+ *
+ * An answer is checked before it is given: a path's own length equals the distance to 1e-9, or the status is GD_INTERNAL. */
+#ifndef GD_QUERY_H
+#define GD_QUERY_H
+
+#include "gd/field.h"
+
+struct gd_pair_answer {
+    double distance;     /* INFINITY: no path */
+    struct gd_path path; /* from `from` to `to`; count 0 when none was wanted or there is none */
+};
+
+void gd_pair_answer_free(struct gd_pair_answer *answer);
+
+/* Point to point from a field that has its single seed, without offset, at one of the two points (the metric is symmetric).
+ * Errors: GD_INVALID_ARGUMENT (neither point is the seed), GD_BEYOND_REACH, GD_NO_MEMORY, GD_INTERNAL. Cost: see gd_field_distance, _path. */
+GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_point *from,
+                                              const struct gd_point *to, bool want_path, struct gd_pair_answer *out);
+
+/* Point to point from nothing: propagates from `from` until `to` is final. Errors: those of gd_field_build and GD_INTERNAL. */
+GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from,
+                                         const struct gd_point *to, bool want_path, const struct gd_control *control,
+                                         struct gd_pair_answer *out, struct gd_detail *detail);
+
+#endif

@@ -1,0 +1,52 @@
+/* Points and vectors of space, by value. Coordinates are in the caller's length unit. */
+#ifndef GD_VEC_H
+#define GD_VEC_H
+
+#include <math.h>
+
+struct gd_vec3 {
+    double x, y, z;
+};
+
+static inline struct gd_vec3 gd_vec3_add(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return (struct gd_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline struct gd_vec3 gd_vec3_sub(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return (struct gd_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline struct gd_vec3 gd_vec3_scale(struct gd_vec3 a, double s)
+{
+    return (struct gd_vec3){a.x * s, a.y * s, a.z * s};
+}
+
+/* a + s b */
+static inline struct gd_vec3 gd_vec3_along(struct gd_vec3 a, double s, struct gd_vec3 b)
+{
+    return (struct gd_vec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline double gd_vec3_dot(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct gd_vec3 gd_vec3_cross(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return (struct gd_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline double gd_vec3_length(struct gd_vec3 a)
+{
+    return sqrt(gd_vec3_dot(a, a));
+}
+
+static inline double gd_vec3_distance(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return gd_vec3_length(gd_vec3_sub(a, b));
+}
+
+#endif

@@ -1,0 +1,217 @@
+#include "io/builder.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+/* Keeps every corner offset within 32 bits: a polygon of n corners counts n - 2 triangles, so there are at most 3 x 2^30 corners. */
+#define LARGEST_LIMIT (UINT32_C(1) << 30)
+
+#define SMALLEST_CAPACITY 64
+
+/* Doubles are all whole from here on, and still fit an integer. */
+#define LARGEST_WHOLE 0x1p53
+
+static uint32_t effective_limit(uint32_t limit)
+{
+    return limit == 0 || limit > LARGEST_LIMIT ? LARGEST_LIMIT : limit;
+}
+
+struct gd__builder gd__builder_begin(const struct gd__scan *scan, const struct gd_read_limits *limits)
+{
+    struct gd_read_limits wanted = limits ? *limits : (struct gd_read_limits){0};
+    return (struct gd__builder){
+        .scan = scan,
+        .limits = {.max_faces = effective_limit(wanted.max_faces),
+                   .max_vertices = effective_limit(wanted.max_vertices)},
+    };
+}
+
+void gd__builder_free(struct gd__builder *builder)
+{
+    free(builder->positions);
+    free(builder->corners);
+    free(builder->first);
+    *builder = (struct gd__builder){0};
+}
+
+static enum gd_status no_memory(const struct gd__builder *builder)
+{
+    return gd_fail(builder->scan->detail, GD_NO_MEMORY, "the system is out of memory");
+}
+
+/* The array with room for `capacity` items, NULL if there is no memory for it: then the array is as it was. */
+static void *resized(void *array, size_t capacity, size_t item)
+{
+    size_t bytes;
+    if (__builtin_mul_overflow(capacity, item, &bytes)) return NULL;
+    return realloc(array, bytes);
+}
+
+static size_t grown(size_t capacity)
+{
+    return capacity < SMALLEST_CAPACITY ? SMALLEST_CAPACITY : capacity + capacity / 2;
+}
+
+static bool resize_positions(struct gd__builder *builder, size_t capacity)
+{
+    double(*positions)[3] = resized(builder->positions, capacity, sizeof *positions);
+    if (!positions) return false;
+    builder->positions = positions;
+    builder->position_capacity = capacity;
+    return true;
+}
+
+static bool resize_corners(struct gd__builder *builder, size_t capacity)
+{
+    uint32_t *corners = resized(builder->corners, capacity, sizeof *corners);
+    if (!corners) return false;
+    builder->corners = corners;
+    builder->corner_capacity = capacity;
+    return true;
+}
+
+static bool resize_first(struct gd__builder *builder, size_t capacity)
+{
+    uint32_t *first = resized(builder->first, capacity, sizeof *first);
+    if (!first) return false;
+    builder->first = first;
+    builder->first_capacity = capacity;
+    return true;
+}
+
+static enum gd_status too_many_vertices(const struct gd__builder *builder, const char *at)
+{
+    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE, "more than %u vertices, the configured maximum",
+                         builder->limits.max_vertices);
+}
+
+static enum gd_status too_many_faces(const struct gd__builder *builder, const char *at)
+{
+    return gd__scan_fail(builder->scan, at, GD_TOO_LARGE, "more than %u triangles, the configured maximum",
+                         builder->limits.max_faces);
+}
+
+enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions, uint64_t polygons)
+{
+    const char *at = builder->scan->at;
+    if (positions > builder->limits.max_vertices) return too_many_vertices(builder, at);
+    if (polygons > builder->limits.max_faces) return too_many_faces(builder, at);
+    if (positions > builder->position_capacity && !resize_positions(builder, positions)) return no_memory(builder);
+    if (3 * polygons > builder->corner_capacity && !resize_corners(builder, 3 * polygons)) return no_memory(builder);
+    return GD_OK;
+}
+
+enum gd_status gd__builder_add_position(struct gd__builder *builder, const double xyz[3], const char *at)
+{
+    if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || !isfinite(xyz[2])) {
+        return gd__scan_fail(builder->scan, at, GD_NON_FINITE, "a coordinate of vertex %zu is not a finite number",
+                             builder->position_count + builder->index_base);
+    }
+    if (builder->position_count == builder->limits.max_vertices) return too_many_vertices(builder, at);
+    if (builder->position_count == builder->position_capacity &&
+        !resize_positions(builder, grown(builder->position_capacity))) {
+        return no_memory(builder);
+    }
+    double *position = builder->positions[builder->position_count++];
+    for (int axis = 0; axis < 3; axis++) position[axis] = xyz[axis];
+    return GD_OK;
+}
+
+enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex, const char *at)
+{
+    if (builder->corner_count == builder->corner_capacity &&
+        !resize_corners(builder, grown(builder->corner_capacity))) {
+        return no_memory(builder);
+    }
+    if (!builder->last_vertex_at || vertex > builder->last_vertex) {
+        builder->last_vertex = vertex;
+        builder->last_vertex_at = at;
+    }
+    builder->corners[builder->corner_count++] = vertex < GD_NONE ? (uint32_t)vertex : GD_NONE;
+    return GD_OK;
+}
+
+enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, const char *at)
+{
+    if (index != floor(index))
+        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "the vertex index %g is not a whole number", index);
+    double number = fmin(fmax(index, -LARGEST_WHOLE), LARGEST_WHOLE);
+    if (index < 0) return gd__builder_no_such_vertex(builder, (long long)number, at);
+    return gd__builder_add_corner(builder, (uint64_t)number, at);
+}
+
+/* Begins to keep `first`, the polygons so far being triangles. */
+static bool begin_first(struct gd__builder *builder)
+{
+    if (!resize_first(builder, grown(builder->polygon_count))) return false;
+    for (size_t polygon = 0; polygon < builder->polygon_count; polygon++)
+        builder->first[polygon] = (uint32_t)(3 * polygon);
+    return true;
+}
+
+/* Notes where the open polygon begins, if the polygons are not all triangles. */
+static bool keep_first(struct gd__builder *builder)
+{
+    bool triangle = builder->corner_count - builder->open == 3;
+    if (!builder->first && triangle) return true;
+    if (!builder->first && !begin_first(builder)) return false;
+    if (builder->polygon_count == builder->first_capacity && !resize_first(builder, grown(builder->first_capacity)))
+        return false;
+    builder->first[builder->polygon_count] = (uint32_t)builder->open;
+    return true;
+}
+
+enum gd_status gd__builder_close_polygon(struct gd__builder *builder, const char *at)
+{
+    size_t corners = builder->corner_count - builder->open;
+    if (corners < 3)
+        return gd__scan_fail(builder->scan, at, GD_SYNTAX, "a face has %zu corners, it needs three", corners);
+    builder->triangles += corners - 2;
+    if (builder->triangles > builder->limits.max_faces) return too_many_faces(builder, at);
+    if (!keep_first(builder)) return no_memory(builder);
+    builder->polygon_count++;
+    builder->open = builder->corner_count;
+    return GD_OK;
+}
+
+enum gd_status gd__builder_no_such_vertex(const struct gd__builder *builder, long long number, const char *at)
+{
+    return gd__scan_fail(builder->scan, at, GD_INDEX,
+                         "a face names vertex %lld, but there are only %zu, counted from %u", number,
+                         builder->position_count, builder->index_base);
+}
+
+/* Shrinking may fail, the array is good as it is then. `capacity` > 0. */
+static void shrink(struct gd__builder *builder)
+{
+    resize_positions(builder, builder->position_count);
+    resize_corners(builder, builder->corner_count);
+    if (builder->first) resize_first(builder, builder->polygon_count + 1);
+}
+
+enum gd_status gd__builder_finish(struct gd__builder *builder, struct gd_polygons *out)
+{
+    if (builder->polygon_count == 0) return gd_fail(builder->scan->detail, GD_EMPTY, "the input has no faces");
+    if (builder->last_vertex >= builder->position_count) {
+        return gd__builder_no_such_vertex(builder, (long long)(builder->last_vertex + builder->index_base),
+                                          builder->last_vertex_at);
+    }
+    if (builder->first) {
+        if (builder->polygon_count == builder->first_capacity && !resize_first(builder, builder->polygon_count + 1)) {
+            return no_memory(builder);
+        }
+        builder->first[builder->polygon_count] = (uint32_t)builder->corner_count;
+    }
+    shrink(builder);
+    *out = (struct gd_polygons){.positions = builder->positions,
+                                .position_count = (uint32_t)builder->position_count,
+                                .polygon_count = (uint32_t)builder->polygon_count,
+                                .corners = builder->corners,
+                                .first = builder->first};
+    builder->positions = NULL;
+    builder->corners = NULL;
+    builder->first = NULL;
+    gd__builder_free(builder);
+    return GD_OK;
+}

@@ -1,0 +1,68 @@
+#include <string.h>
+#include <strings.h>
+
+#include "io/readers.h"
+
+static const struct {
+    enum gd_format format;
+    const char *name, *media_type;
+} formats[] = {
+#define FORMAT_ENTRY(NAME, name, media) {GD_FORMAT_##NAME, #name, media},
+    GD_FORMAT_MAP(FORMAT_ENTRY)
+#undef FORMAT_ENTRY
+};
+
+#define FORMAT_COUNT (sizeof formats / sizeof formats[0])
+
+enum gd_format gd_format_by_name(const char *name)
+{
+    for (size_t i = 0; name && i < FORMAT_COUNT; i++) {
+        if (strcmp(name, formats[i].name) == 0) return formats[i].format;
+    }
+    return GD_FORMAT_ANY;
+}
+
+enum gd_format gd_format_by_media_type(const char *media_type)
+{
+    if (!media_type) return GD_FORMAT_ANY;
+    media_type += strspn(media_type, " \t");
+    size_t length = strcspn(media_type, "; \t");
+    for (size_t i = 0; i < FORMAT_COUNT; i++) {
+        const char *known = formats[i].media_type;
+        if (length == strlen(known) && strncasecmp(media_type, known, length) == 0) return formats[i].format;
+    }
+    return GD_FORMAT_ANY;
+}
+
+const char *gd_format_name(enum gd_format format)
+{
+    for (size_t i = 0; i < FORMAT_COUNT; i++) {
+        if (formats[i].format == format) return formats[i].name;
+    }
+    return "any";
+}
+
+const char *gd_format_media_type(enum gd_format format)
+{
+    for (size_t i = 0; i < FORMAT_COUNT; i++) {
+        if (formats[i].format == format) return formats[i].media_type;
+    }
+    return "application/octet-stream";
+}
+
+/* The most certain first: the size of a binary STL file fits no other format's text, OBJ has no signature at all. */
+static const struct {
+    enum gd_format format;
+    bool (*recognise)(struct gd__scan scan);
+} signatures[] = {
+    {GD_FORMAT_STL, gd__stl_recognise},   {GD_FORMAT_PLY, gd__ply_recognise}, {GD_FORMAT_OFF, gd__off_recognise},
+    {GD_FORMAT_JSON, gd__json_recognise}, {GD_FORMAT_OBJ, gd__obj_recognise},
+};
+
+enum gd_format gd_format_recognise(const void *bytes, size_t size)
+{
+    for (size_t i = 0; size > 0 && i < sizeof signatures / sizeof signatures[0]; i++) {
+        if (signatures[i].recognise(gd__scan_begin(bytes, size, NULL))) return signatures[i].format;
+    }
+    return GD_FORMAT_ANY;
+}

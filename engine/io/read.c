@@ -1,0 +1,33 @@
+#include "io/readers.h"
+
+/* NULL: there is no such format. */
+static enum gd_status (*reader_of(enum gd_format format))(struct gd__scan *, struct gd__builder *)
+{
+    switch (format) {
+#define READER_CASE(NAME, name, media)                                                                                 \
+    case GD_FORMAT_##NAME:                                                                                             \
+        return gd__##name##_read;
+        GD_FORMAT_MAP(READER_CASE)
+#undef READER_CASE
+    case GD_FORMAT_ANY:
+        break;
+    }
+    return NULL;
+}
+
+enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format format,
+                                const struct gd_read_limits *limits, struct gd_polygons *out, struct gd_detail *detail)
+{
+    if (size == 0) return gd_fail(detail, GD_EMPTY, "the input has no bytes");
+    if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
+    enum gd_status (*read)(struct gd__scan *, struct gd__builder *) = reader_of(format);
+    if (!read)
+        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are in none of the formats OBJ, PLY, STL, OFF and JSON");
+
+    struct gd__scan scan = gd__scan_begin(bytes, size, detail);
+    struct gd__builder builder = gd__builder_begin(&scan, limits);
+    enum gd_status status = read(&scan, &builder);
+    if (status == GD_OK) status = gd__builder_finish(&builder, out);
+    gd__builder_free(&builder);
+    return status;
+}

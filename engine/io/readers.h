@@ -1,0 +1,16 @@
+/* The formats from the inside: for each, what recognises it and what reads it. One source file a format. */
+#ifndef GD_IO_READERS_H
+#define GD_IO_READERS_H
+
+#include "io/builder.h"
+#include "io/scan.h"
+
+/* gd__obj_recognise: whether the bytes, from the cursor on, look like the format. Reads leading space and comments and what follows them.
+ * gd__obj_read: adds the whole input to the builder, which borrows the same scan. All errors of gd_read_polygons. */
+#define GD__READER(NAME, name, media)                                                                                  \
+    bool gd__##name##_recognise(struct gd__scan scan);                                                                 \
+    GD_MUST_USE enum gd_status gd__##name##_read(struct gd__scan *scan, struct gd__builder *builder);
+GD_FORMAT_MAP(GD__READER)
+#undef GD__READER
+
+#endif

@@ -1,0 +1,171 @@
+#include "io/scan.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "gd/number.h"
+
+struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail)
+{
+    struct gd__scan scan = {.begin = bytes, .at = bytes, .detail = detail};
+    scan.end = scan.begin + size;
+    if (size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0) scan.at += 3;
+    return scan;
+}
+
+static uint64_t line_of(const struct gd__scan *scan, const char *at)
+{
+    uint64_t line = 1;
+    for (const char *c = scan->begin; c < at; c++) {
+        if (*c == '\n' || (*c == '\r' && (c + 1 == scan->end || c[1] != '\n'))) line++;
+    }
+    return line;
+}
+
+enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status, const char *format,
+                             ...)
+{
+    if (!scan->detail) return status;
+    char sentence[GD_DETAIL_TEXT];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    uint64_t place = scan->by_byte ? (uint64_t)(at - scan->begin) : line_of(scan, at);
+    gd_fail(scan->detail, status, "%s %llu: %s", scan->by_byte ? "byte" : "line", (unsigned long long)place, sentence);
+    gd_detail_add(scan->detail, scan->by_byte ? GD_ELEMENT_BYTE : GD_ELEMENT_LINE, place, 0);
+    return status;
+}
+
+struct gd__excerpt gd__excerpt(struct gd__word word)
+{
+    struct gd__excerpt excerpt = {{0}};
+    for (size_t i = 0; i < word.length && i + 1 < sizeof excerpt.text; i++) {
+        unsigned char c = (unsigned char)word.at[i];
+        excerpt.text[i] = c > ' ' && c < 0x7F ? (char)c : '?';
+    }
+    return excerpt;
+}
+
+enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expected)
+{
+    if (scan->at == scan->end) {
+        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "the input ends where %s should be", expected);
+    }
+    if (gd__scan_at_line_end(scan)) {
+        return gd__scan_fail(scan, scan->at, GD_SYNTAX, "the line ends where %s should be", expected);
+    }
+    struct gd__scan ahead = *scan;
+    struct gd__excerpt found = gd__excerpt(gd__scan_word(&ahead));
+    return gd__scan_fail(scan, scan->at, GD_SYNTAX, "found '%s' where %s should be", found.text, expected);
+}
+
+/* Past one line end, if the cursor is at one. */
+static void skip_newline(struct gd__scan *scan)
+{
+    char c = scan->at < scan->end ? *scan->at : '\0';
+    if (gd__is_newline(c)) scan->at++;
+    if (c == '\r' && scan->at < scan->end && *scan->at == '\n') scan->at++;
+}
+
+/* At the backslash that joins this line to the next. */
+static bool at_joint(const struct gd__scan *scan)
+{
+    return scan->continued && gd__scan_left(scan) > 1 && *scan->at == '\\' && gd__is_newline(scan->at[1]);
+}
+
+void gd__scan_skip_blanks(struct gd__scan *scan)
+{
+    for (;;) {
+        while (scan->at < scan->end && gd__is_blank(*scan->at)) scan->at++;
+        if (!at_joint(scan)) return;
+        scan->at++;
+        skip_newline(scan);
+    }
+}
+
+void gd__scan_skip_line(struct gd__scan *scan)
+{
+    bool joined = true;
+    while (joined) {
+        const char *line = scan->at;
+        while (!gd__scan_at_line_end(scan)) scan->at++;
+        bool commented = scan->at < scan->end && !gd__is_newline(*scan->at);
+        joined = scan->continued && !commented && scan->at > line && scan->at[-1] == '\\';
+        while (scan->at < scan->end && !gd__is_newline(*scan->at)) scan->at++;
+        skip_newline(scan);
+    }
+}
+
+void gd__scan_skip_space(struct gd__scan *scan)
+{
+    while (scan->at < scan->end) {
+        if (gd__is_blank(*scan->at) || gd__is_newline(*scan->at))
+            scan->at++;
+        else if (scan->comments && *scan->at == '#')
+            gd__scan_skip_line(scan);
+        else
+            return;
+    }
+}
+
+struct gd__word gd__scan_word(struct gd__scan *scan)
+{
+    gd__scan_skip_blanks(scan);
+    const char *begin = scan->at;
+    while (!gd__scan_at_line_end(scan) && !gd__is_blank(*scan->at) && !at_joint(scan)) scan->at++;
+    return (struct gd__word){begin, (size_t)(scan->at - begin)};
+}
+
+bool gd__word_is(struct gd__word word, const char *text)
+{
+    return word.length == strlen(text) && memcmp(word.at, text, word.length) == 0;
+}
+
+bool gd__word_resembles(struct gd__word word, const char *text)
+{
+    return word.length == strlen(text) && strncasecmp(word.at, text, word.length) == 0;
+}
+
+/* Whether a number that ends at the cursor is cut out of something longer, such as 0x1p3 or 1.5.2. */
+static bool runs_on(const struct gd__scan *scan, const char *at)
+{
+    return at < scan->end && (isalnum((unsigned char)*at) || *at == '.' || *at == '_' || *at == '-' || *at == '+');
+}
+
+enum gd_status gd__scan_number(struct gd__scan *scan, double *out)
+{
+    gd__scan_skip_blanks(scan);
+    const char *end = gd_number_parse(scan->at, scan->end, out);
+    if (!end || runs_on(scan, end)) return gd__scan_unexpected(scan, "a number");
+    scan->at = end;
+    return GD_OK;
+}
+
+enum gd_status gd__scan_xyz(struct gd__scan *scan, double xyz[3])
+{
+    enum gd_status status = GD_OK;
+    for (int axis = 0; axis < 3 && status == GD_OK; axis++) status = gd__scan_number(scan, &xyz[axis]);
+    return status;
+}
+
+enum gd_status gd__scan_integer(struct gd__scan *scan, int64_t *out)
+{
+    gd__scan_skip_blanks(scan);
+    const char *at = scan->at;
+    bool negative = at < scan->end && *at == '-';
+    if (at < scan->end && (*at == '-' || *at == '+')) at++;
+    const char *digits = at;
+    int64_t value = 0;
+    for (; at < scan->end && *at >= '0' && *at <= '9'; at++) {
+        bool fits = value <= (INT64_MAX - 9) / 10;
+        value = fits ? 10 * value + (*at - '0') : INT64_MAX;
+    }
+    if (at == digits || runs_on(scan, at)) return gd__scan_unexpected(scan, "a whole number");
+    scan->at = at;
+    *out = negative ? -value : value;
+    return GD_OK;
+}

@@ -1,0 +1,168 @@
+/* Stereolithography, text and binary: loose triangles, welded where their corners are equal. Normals and attributes are skipped.
+ *
+ * Binary files may begin with "solid" too, and may carry bytes behind their last triangle. So the input is binary when its size is exactly
+ * what its count says, or it doesn't begin with "solid", or has a NUL where text can't. */
+#include "io/readers.h"
+
+#include <string.h>
+
+#include "io/endian.h"
+#include "io/weld.h"
+
+#define HEADER_SIZE   80
+#define PREAMBLE_SIZE 84 /* the header and the count */
+#define NORMAL_SIZE   12
+#define TRIANGLE_SIZE 50
+
+struct stl {
+    struct gd__scan *scan;
+    struct gd__builder *builder;
+    struct gd__weld weld;
+};
+
+static size_t size_of(const struct gd__scan *scan)
+{
+    return (size_t)(scan->end - scan->begin);
+}
+
+/* Of an input that has a preamble. */
+static uint32_t declared_triangles(const struct gd__scan *scan)
+{
+    return gd__load_u32(scan->begin + HEADER_SIZE, false);
+}
+
+static bool has_binary_size(const struct gd__scan *scan)
+{
+    return size_of(scan) >= PREAMBLE_SIZE &&
+           size_of(scan) == PREAMBLE_SIZE + (uint64_t)TRIANGLE_SIZE * declared_triangles(scan);
+}
+
+static bool begins_solid(struct gd__scan scan)
+{
+    gd__scan_skip_space(&scan);
+    return gd__word_resembles(gd__scan_word(&scan), "solid");
+}
+
+static bool is_text(const struct gd__scan *scan)
+{
+    size_t head = size_of(scan) < PREAMBLE_SIZE ? size_of(scan) : PREAMBLE_SIZE;
+    return !has_binary_size(scan) && begins_solid(*scan) && !memchr(scan->begin, '\0', head);
+}
+
+bool gd__stl_recognise(struct gd__scan scan)
+{
+    return has_binary_size(&scan) || begins_solid(scan);
+}
+
+static enum gd_status add_corner(struct stl *stl, const double xyz[3], const char *place)
+{
+    uint32_t vertex;
+    enum gd_status status = gd__weld_vertex(&stl->weld, xyz, place, &vertex);
+    return status == GD_OK ? gd__builder_add_corner(stl->builder, vertex, place) : status;
+}
+
+static enum gd_status read_binary_triangle(struct stl *stl)
+{
+    struct gd__scan *scan = stl->scan;
+    const char *place = scan->at, *corner = place + NORMAL_SIZE;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 3 && status == GD_OK; k++, corner += 12) {
+        double xyz[3];
+        for (int axis = 0; axis < 3; axis++) xyz[axis] = gd__load_f32(corner + 4 * axis, false);
+        status = add_corner(stl, xyz, place);
+    }
+    scan->at += TRIANGLE_SIZE;
+    return status == GD_OK ? gd__builder_close_polygon(stl->builder, place) : status;
+}
+
+static enum gd_status read_binary(struct stl *stl)
+{
+    struct gd__scan *scan = stl->scan;
+    scan->by_byte = true;
+    if (size_of(scan) < PREAMBLE_SIZE) {
+        return gd__scan_fail(scan, scan->end, GD_TRUNCATED,
+                             "neither text that begins with 'solid' nor the %d bytes that begin binary STL",
+                             PREAMBLE_SIZE);
+    }
+    uint32_t triangles = declared_triangles(scan);
+    scan->at = scan->begin + PREAMBLE_SIZE;
+    if (triangles > gd__scan_left(scan) / TRIANGLE_SIZE) {
+        return gd__scan_fail(scan, scan->begin + HEADER_SIZE, GD_TRUNCATED,
+                             "%u triangles are declared, but only %zu bytes follow", triangles, gd__scan_left(scan));
+    }
+    enum gd_status status = gd__builder_reserve(stl->builder, 0, triangles);
+    for (uint32_t i = 0; status == GD_OK && i < triangles; i++) status = read_binary_triangle(stl);
+    return status;
+}
+
+static enum gd_status expect_word(struct gd__scan *scan, const char *text)
+{
+    gd__scan_skip_space(scan);
+    const char *place = scan->at;
+    if (gd__word_resembles(gd__scan_word(scan), text)) return GD_OK;
+    scan->at = place;
+    return gd__scan_unexpected(scan, text);
+}
+
+static enum gd_status read_text_corner(struct stl *stl)
+{
+    enum gd_status status = expect_word(stl->scan, "vertex");
+    const char *place = stl->scan->at;
+    double xyz[3];
+    if (status == GD_OK) status = gd__scan_xyz(stl->scan, xyz);
+    return status == GD_OK ? add_corner(stl, xyz, place) : status;
+}
+
+/* Behind the word "facet", whose line holds the normal, up to and with "endfacet". */
+static enum gd_status read_text_facet(struct stl *stl)
+{
+    struct gd__scan *scan = stl->scan;
+    const char *place = scan->at;
+    gd__scan_skip_line(scan);
+    enum gd_status status = expect_word(scan, "outer");
+    if (status == GD_OK) status = expect_word(scan, "loop");
+    for (int k = 0; k < 3 && status == GD_OK; k++) status = read_text_corner(stl);
+    if (status == GD_OK) status = expect_word(scan, "endloop");
+    if (status == GD_OK) status = expect_word(scan, "endfacet");
+    return status == GD_OK ? gd__builder_close_polygon(stl->builder, place) : status;
+}
+
+/* Behind the word "solid", whose line holds the name, up to and with the line of "endsolid". */
+static enum gd_status read_text_solid(struct stl *stl)
+{
+    struct gd__scan *scan = stl->scan;
+    gd__scan_skip_line(scan);
+    for (;;) {
+        gd__scan_skip_space(scan);
+        const char *place = scan->at;
+        struct gd__word word = gd__scan_word(scan);
+        if (gd__word_resembles(word, "endsolid")) break;
+        if (!gd__word_resembles(word, "facet")) {
+            scan->at = place;
+            return gd__scan_unexpected(scan, "facet or endsolid");
+        }
+        enum gd_status status = read_text_facet(stl);
+        if (status != GD_OK) return status;
+    }
+    gd__scan_skip_line(scan);
+    return GD_OK;
+}
+
+static enum gd_status read_text(struct stl *stl)
+{
+    struct gd__scan *scan = stl->scan;
+    enum gd_status status = GD_OK;
+    for (gd__scan_skip_space(scan); status == GD_OK && scan->at < scan->end; gd__scan_skip_space(scan)) {
+        status = expect_word(scan, "solid");
+        if (status == GD_OK) status = read_text_solid(stl);
+    }
+    return status;
+}
+
+enum gd_status gd__stl_read(struct gd__scan *scan, struct gd__builder *builder)
+{
+    struct stl stl = {.scan = scan, .builder = builder, .weld = gd__weld_begin(builder)};
+    enum gd_status status = is_text(scan) ? read_text(&stl) : read_binary(&stl);
+    gd__weld_free(&stl.weld);
+    return status;
+}

@@ -1,0 +1,200 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "gd/io.h"
+#include "gd/vec.h"
+#include "io/sink.h"
+
+static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
+{
+    return gd_polygons_first(polygons, polygon + 1) - gd_polygons_first(polygons, polygon);
+}
+
+static uint32_t largest_polygon(const struct gd_polygons *polygons)
+{
+    uint32_t largest = 0;
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        uint32_t size = size_of_polygon(polygons, i);
+        if (size > largest) largest = size;
+    }
+    return largest;
+}
+
+static void write_xyz(struct gd__sink *sink, const double position[3], const char *separator)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (axis > 0) gd__sink_text(sink, separator);
+        gd__sink_double(sink, position[axis]);
+    }
+}
+
+/* The polygon's vertices, the first vertex of all numbered `base`. */
+static void write_corners(struct gd__sink *sink, const struct gd_polygons *polygons, uint32_t polygon, uint32_t base,
+                          const char *separator)
+{
+    uint32_t first = gd_polygons_first(polygons, polygon), end = gd_polygons_first(polygons, polygon + 1);
+    for (uint32_t corner = first; corner < end; corner++) {
+        if (corner > first) gd__sink_text(sink, separator);
+        gd__sink_integer(sink, (uint64_t)polygons->corners[corner] + base);
+    }
+}
+
+static enum gd_status write_obj(struct gd__sink *sink, const struct gd_polygons *polygons)
+{
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        gd__sink_text(sink, "v ");
+        write_xyz(sink, polygons->positions[i], " ");
+        gd__sink_text(sink, "\n");
+    }
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        gd__sink_text(sink, "f ");
+        write_corners(sink, polygons, i, 1, " ");
+        gd__sink_text(sink, "\n");
+    }
+    return GD_OK;
+}
+
+static enum gd_status write_off(struct gd__sink *sink, const struct gd_polygons *polygons)
+{
+    gd__sink_text(sink, "OFF\n");
+    gd__sink_integer(sink, polygons->position_count);
+    gd__sink_text(sink, " ");
+    gd__sink_integer(sink, polygons->polygon_count);
+    gd__sink_text(sink, " 0\n");
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        write_xyz(sink, polygons->positions[i], " ");
+        gd__sink_text(sink, "\n");
+    }
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        gd__sink_integer(sink, size_of_polygon(polygons, i));
+        gd__sink_text(sink, " ");
+        write_corners(sink, polygons, i, 0, " ");
+        gd__sink_text(sink, "\n");
+    }
+    return GD_OK;
+}
+
+static enum gd_status write_json(struct gd__sink *sink, const struct gd_polygons *polygons)
+{
+    gd__sink_text(sink, "{\"vertices\":[");
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        gd__sink_text(sink, i > 0 ? ",[" : "[");
+        write_xyz(sink, polygons->positions[i], ",");
+        gd__sink_text(sink, "]");
+    }
+    gd__sink_text(sink, "],\"faces\":[");
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        gd__sink_text(sink, i > 0 ? ",[" : "[");
+        write_corners(sink, polygons, i, 0, ",");
+        gd__sink_text(sink, "]");
+    }
+    gd__sink_text(sink, "]}\n");
+    return GD_OK;
+}
+
+static void write_ply_header(struct gd__sink *sink, const struct gd_polygons *polygons, bool long_lists)
+{
+    gd__sink_text(sink, "ply\nformat binary_little_endian 1.0\nelement vertex ");
+    gd__sink_integer(sink, polygons->position_count);
+    gd__sink_text(sink, "\nproperty double x\nproperty double y\nproperty double z\nelement face ");
+    gd__sink_integer(sink, polygons->polygon_count);
+    gd__sink_text(sink, long_lists ? "\nproperty list uint uint vertex_indices\nend_header\n"
+                                   : "\nproperty list uchar uint vertex_indices\nend_header\n");
+}
+
+static enum gd_status write_ply(struct gd__sink *sink, const struct gd_polygons *polygons)
+{
+    bool long_lists = largest_polygon(polygons) > UINT8_MAX;
+    write_ply_header(sink, polygons, long_lists);
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        for (int axis = 0; axis < 3; axis++) gd__sink_f64(sink, polygons->positions[i][axis]);
+    }
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        gd__sink_little_endian(sink, size_of_polygon(polygons, i), long_lists ? 4 : 1);
+        for (uint32_t corner = gd_polygons_first(polygons, i); corner < gd_polygons_first(polygons, i + 1); corner++) {
+            gd__sink_little_endian(sink, polygons->corners[corner], 4);
+        }
+    }
+    return GD_OK;
+}
+
+static struct gd_vec3 corner_position(const struct gd_polygons *polygons, uint32_t corner)
+{
+    const double *position = polygons->positions[polygons->corners[corner]];
+    return (struct gd_vec3){position[0], position[1], position[2]};
+}
+
+/* Unit normal of a triangle, zero if it has none. */
+static struct gd_vec3 normal_of(struct gd_vec3 a, struct gd_vec3 b, struct gd_vec3 c)
+{
+    struct gd_vec3 normal = gd_vec3_cross(gd_vec3_sub(b, a), gd_vec3_sub(c, a));
+    double length = gd_vec3_length(normal);
+    return gd_vec3_scale(normal, length > 0 ? 1 / length : 0);
+}
+
+static void write_stl_vector(struct gd__sink *sink, struct gd_vec3 v)
+{
+    gd__sink_f32(sink, (float)v.x);
+    gd__sink_f32(sink, (float)v.y);
+    gd__sink_f32(sink, (float)v.z);
+}
+
+static bool all_triangles(const struct gd_polygons *polygons)
+{
+    for (uint32_t i = 0; polygons->first && i < polygons->polygon_count; i++) {
+        if (size_of_polygon(polygons, i) != 3) return false;
+    }
+    return true;
+}
+
+static bool fits_floats(struct gd_vec3 v)
+{
+    return isfinite((float)v.x) && isfinite((float)v.y) && isfinite((float)v.z);
+}
+
+static enum gd_status write_stl(struct gd__sink *sink, const struct gd_polygons *polygons)
+{
+    if (!all_triangles(polygons)) return GD_NOT_TRIANGLES;
+    static const char header[80] = "binary STL"; /* must not begin with "solid" */
+    gd__sink_bytes(sink, header, sizeof header);
+    gd__sink_little_endian(sink, polygons->polygon_count, 4);
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        struct gd_vec3 corners[3];
+        for (uint32_t k = 0; k < 3; k++) {
+            corners[k] = corner_position(polygons, gd_polygons_first(polygons, i) + k);
+            if (!fits_floats(corners[k])) return GD_NON_FINITE;
+        }
+        write_stl_vector(sink, normal_of(corners[0], corners[1], corners[2]));
+        for (int k = 0; k < 3; k++) write_stl_vector(sink, corners[k]);
+        gd__sink_little_endian(sink, 0, 2); /* attributes: none */
+    }
+    return GD_OK;
+}
+
+static enum gd_status write_format(struct gd__sink *sink, const struct gd_polygons *polygons, enum gd_format format)
+{
+    switch (format) {
+#define WRITER_CASE(NAME, name, media)                                                                                 \
+    case GD_FORMAT_##NAME:                                                                                             \
+        return write_##name(sink, polygons);
+        GD_FORMAT_MAP(WRITER_CASE)
+#undef WRITER_CASE
+    case GD_FORMAT_ANY:
+        break;
+    }
+    return GD_INVALID_ARGUMENT;
+}
+
+enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out, size_t *size)
+{
+    struct gd__sink sink = {0};
+    enum gd_status status = write_format(&sink, polygons, format);
+    if (status == GD_OK && sink.failed) status = GD_NO_MEMORY;
+    if (status != GD_OK) {
+        free(sink.bytes);
+        return status;
+    }
+    *out = sink.bytes;
+    *size = sink.size;
+    return GD_OK;
+}

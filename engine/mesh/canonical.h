@@ -1,0 +1,15 @@
+/* Canonical points: what lies on a vertex or an edge up to rounding is made a point of that vertex or edge. */
+#ifndef GD_MESH_CANONICAL_H
+#define GD_MESH_CANONICAL_H
+
+#include "mesh/topology.h"
+
+struct gd_point gd__point_of_vertex(uint32_t vertex);
+
+/* `t` in [0,1] from the origin of the edge's side 0. */
+struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t);
+
+/* `weight` >= 0, of sum 1 up to rounding, by the corners of the face inside (face_side). */
+struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3]);
+
+#endif

@@ -1,0 +1,73 @@
+/* The faces around each vertex, counter-clockwise, with their angles. */
+#include "mesh/build.h"
+
+/* The next outgoing side counter-clockwise around the vertex; at the end of an open fan the boundary side. */
+static uint32_t next_in_fan(const struct gd_mesh *mesh, uint32_t side)
+{
+    return mesh->side[side].left;
+}
+
+/* Where the fan of the vertex of `side` begins: at the boundary, or at `side` itself. */
+static uint32_t fan_start(const struct gd_mesh *mesh, uint32_t side)
+{
+    for (uint32_t h = side;;) {
+        if (gd__side_is_boundary(mesh, h ^ 1)) return h;
+        h = gd__side_next(mesh, h ^ 1);
+        if (h == side) return side;
+    }
+}
+
+static enum gd_vertex_kind kind_of(double total_angle, bool open)
+{
+    if (open) return GD_VERTEX_BOUNDARY;
+    return total_angle > 2 * M_PI + GD_TOL_SADDLE ? GD_VERTEX_SADDLE : GD_VERTEX_CONVEX;
+}
+
+/* Writes the fan that begins at `start` from entry `first` on; returns one past its last entry. */
+static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
+{
+    uint32_t vertex = mesh->origin[start], entry = first, h = start;
+    double angle = 0;
+    do {
+        mesh->fan[entry] = (struct gd_fan){angle, h};
+        mesh->side_fan[h] = entry++;
+        angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
+        h = next_in_fan(mesh, h);
+    } while (h != start && !gd__side_is_boundary(mesh, h));
+    mesh->total_angle[vertex] = angle;
+    mesh->vertex_kind[vertex] = (uint8_t)kind_of(angle, h != start);
+    mesh->summary.saddle_vertices += mesh->vertex_kind[vertex] == GD_VERTEX_SADDLE;
+    return entry;
+}
+
+/* Some outgoing side with a face of each vertex, left in fan_first: the fans follow in order of vertex. */
+static void find_any_side(const struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    for (uint32_t f = mesh->face_count; f-- > 0;) {
+        for (int k = 0; k < 3; k++) mesh->fan_first[work->corner[f][k]] = mesh->face_side[f][k];
+    }
+}
+
+enum gd_status gd__make_fans(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    mesh->fan_first = gd__mesh_array(mesh, (size_t)mesh->vertex_count + 1, sizeof *mesh->fan_first);
+    mesh->fan = gd__mesh_array(mesh, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
+    mesh->side_fan = gd__mesh_array(mesh, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
+    mesh->total_angle = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->total_angle);
+    mesh->vertex_kind = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_kind);
+    if (!mesh->fan_first || !mesh->fan || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
+        return GD_NO_MEMORY;
+    find_any_side(work);
+    uint32_t entry = 0;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        uint32_t start = fan_start(mesh, mesh->fan_first[v]);
+        mesh->fan_first[v] = entry;
+        entry = write_fan(mesh, start, entry);
+    }
+    mesh->fan_first[mesh->vertex_count] = entry;
+    if (entry != 3 * mesh->face_count)
+        return gd_fail(work->detail, GD_INTERNAL, "the fans do not cover all face corners");
+    return GD_OK;
+}

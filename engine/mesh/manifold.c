@@ -1,0 +1,60 @@
+/* Each vertex must have one fan of faces, open or closed: counts the fans by walking each from its first corner. */
+#include <stdlib.h>
+
+#include "mesh/build.h"
+#include "mesh/offenders.h"
+
+/* A corner is numbered as the side that starts there: 3 face + k. The next corners around its vertex: */
+
+static uint32_t counter_clockwise(const uint32_t *neighbour, uint32_t corner)
+{
+    return neighbour[corner - corner % 3 + gd__previous_corner(corner % 3)];
+}
+
+static uint32_t clockwise(const uint32_t *neighbour, uint32_t corner)
+{
+    uint32_t across = neighbour[corner];
+    return across == GD_NONE ? GD_NONE : across - across % 3 + gd__next_corner(across % 3);
+}
+
+static void walk_fan(const uint32_t *neighbour, uint32_t start, uint8_t *visited)
+{
+    for (uint32_t c = start; c != GD_NONE && !visited[c]; c = counter_clockwise(neighbour, c)) visited[c] = 1;
+    for (uint32_t c = clockwise(neighbour, start); c != GD_NONE && !visited[c]; c = clockwise(neighbour, c))
+        visited[c] = 1;
+}
+
+static void count_fans(const struct gd__construction *work, uint8_t *visited, uint32_t *fans)
+{
+    for (uint32_t c = 0; c < 3 * work->mesh->face_count; c++) {
+        if (visited[c]) continue;
+        fans[work->corner[c / 3][c % 3]]++;
+        walk_fan(work->neighbour, c, visited);
+    }
+}
+
+static enum gd_status refuse(const struct gd__construction *work, const struct gd__offenders *split)
+{
+    gd_fail(work->detail, GD_NON_MANIFOLD_VERTEX,
+            "the faces around vertex %u form %u separate fans; give each fan a vertex of its own",
+            (unsigned)split->lowest[0].a, split->lowest[0].witness);
+    return gd__offenders_report(split, GD_ELEMENT_VERTEX, GD_NON_MANIFOLD_VERTEX, work->detail);
+}
+
+enum gd_status gd__check_vertices(struct gd__construction *work)
+{
+    const struct gd_mesh *mesh = work->mesh;
+    uint8_t *visited = calloc(3 * (size_t)mesh->face_count, sizeof *visited);
+    uint32_t *fans = calloc(mesh->vertex_count, sizeof *fans);
+    struct gd__offenders split = {0};
+    if (visited && fans) {
+        count_fans(work, visited, fans);
+        for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+            if (fans[v] > 1) gd__offenders_add(&split, mesh->index_of_vertex[v], 0, fans[v]);
+        }
+    }
+    enum gd_status status = visited && fans ? GD_OK : GD_NO_MEMORY;
+    free(visited);
+    free(fans);
+    return split.total ? refuse(work, &split) : status;
+}

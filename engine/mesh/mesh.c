@@ -1,0 +1,141 @@
+/* Life and accessors of a mesh. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh/build.h"
+#include "mesh/bvh.h"
+
+void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
+{
+    if (count == 0) count = 1;
+    void *array = calloc(count, size);
+    if (array) mesh->bytes += count * size;
+    return array;
+}
+
+struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count)
+{
+    static_assert(sizeof(struct gd_side) == 64, "a side fills one cache line");
+    struct gd_side *sides = aligned_alloc(64, count * sizeof *sides);
+    if (!sides) return NULL;
+    mesh->bytes += count * sizeof *sides;
+    return sides;
+}
+
+uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face)
+{
+    uint32_t index = mesh->index_of_face[face];
+    return mesh->source_polygon ? mesh->source_polygon[index] : index;
+}
+
+struct gd_mesh *gd_mesh_retain(const struct gd_mesh *mesh)
+{
+    struct gd_mesh *shared = (struct gd_mesh *)mesh;
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+static void destroy(struct gd_mesh *mesh)
+{
+    void *arrays[] = {
+        mesh->position,
+        mesh->total_angle,
+        mesh->vertex_kind,
+        mesh->vertex_component,
+        mesh->fan_first,
+        mesh->fan,
+        mesh->side,
+        mesh->origin,
+        mesh->side_face,
+        mesh->side_fan,
+        mesh->face_side,
+        mesh->component,
+        mesh->boundary,
+        mesh->boundary_side,
+        mesh->vertex_of_index,
+        mesh->index_of_vertex,
+        mesh->face_of_index,
+        mesh->index_of_face,
+        mesh->face_flipped,
+        mesh->source_polygon,
+        mesh->input_position,
+    };
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
+    gd__bvh_free(mesh->bvh);
+    free(mesh);
+}
+
+void gd_mesh_release(const struct gd_mesh *mesh)
+{
+    if (!mesh) return;
+    struct gd_mesh *shared = (struct gd_mesh *)mesh;
+    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) == 1) destroy(shared);
+}
+
+size_t gd_mesh_memsize(const struct gd_mesh *mesh)
+{
+    return mesh->bytes;
+}
+
+const struct gd_mesh_summary *gd_mesh_summary(const struct gd_mesh *mesh)
+{
+    return &mesh->summary;
+}
+
+struct gd_boundary gd_mesh_boundary(const struct gd_mesh *mesh, uint32_t loop)
+{
+    assert(loop < mesh->summary.boundaries);
+    return mesh->boundary[loop];
+}
+
+struct gd_vec3 gd_mesh_position(const struct gd_mesh *mesh, struct gd_vertex vertex)
+{
+    assert(vertex.index < mesh->summary.index_count);
+    return mesh->input_position[vertex.index];
+}
+
+void gd_mesh_corners(const struct gd_mesh *mesh, struct gd_face face, struct gd_vertex corners[3])
+{
+    assert(face.index < mesh->face_count);
+    const uint32_t *sides = mesh->face_side[mesh->face_of_index[face.index]];
+    for (int k = 0; k < 3; k++) corners[k].index = mesh->index_of_vertex[mesh->origin[sides[k]]];
+}
+
+uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face)
+{
+    assert(face.index < mesh->face_count);
+    return mesh->source_polygon ? mesh->source_polygon[face.index] : face.index;
+}
+
+enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *out)
+{
+    struct gd_polygons polygons = {.position_count = mesh->summary.index_count, .polygon_count = mesh->face_count};
+    polygons.positions = malloc(polygons.position_count * sizeof *polygons.positions);
+    polygons.corners = malloc(3 * (size_t)polygons.polygon_count * sizeof *polygons.corners);
+    if (!polygons.positions || !polygons.corners) {
+        gd_polygons_free(&polygons);
+        return GD_NO_MEMORY;
+    }
+    for (uint32_t i = 0; i < polygons.position_count; i++) {
+        struct gd_vec3 p = mesh->input_position[i];
+        memcpy(polygons.positions[i], (double[3]){p.x, p.y, p.z}, sizeof polygons.positions[i]);
+    }
+    for (uint32_t i = 0; i < polygons.polygon_count; i++) {
+        struct gd_vertex corners[3];
+        gd_mesh_corners(mesh, (struct gd_face){i}, corners);
+        for (size_t k = 0; k < 3; k++) polygons.corners[3 * (size_t)i + k] = corners[k].index;
+    }
+    *out = polygons;
+    return GD_OK;
+}
+
+uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b)
+{
+    uint32_t end = mesh->fan_first[a + 1];
+    for (uint32_t i = mesh->fan_first[a]; i < end; i++) {
+        if (gd__side_destination(mesh, mesh->fan[i].side) == b) return mesh->fan[i].side;
+    }
+    uint32_t last = mesh->side[mesh->fan[end - 1].side].left;
+    return gd__side_destination(mesh, last) == b ? last : GD_NONE;
+}

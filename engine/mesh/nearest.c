@@ -1,0 +1,75 @@
+/* gd_locate_nearest: branch and bound over the boxes. */
+#include "base/tolerance.h"
+#include "mesh/bvh.h"
+#include "mesh/foot.h"
+
+struct nearest {
+    struct gd__bvh_search search; /* keys: squared distances */
+    const struct gd_mesh *mesh;
+    struct gd_vec3 q;
+    double slack; /* rounding of a distance */
+    double best;
+    uint32_t face; /* GD_NONE: none yet */
+};
+
+static double beyond(double x, double min, double max)
+{
+    return x < min ? min - x : x > max ? x - max : 0;
+}
+
+static double bound_of_box(const struct gd__bvh_search *search, const struct gd__box *box)
+{
+    struct gd_vec3 q = ((const struct nearest *)search)->q;
+    struct gd_vec3 d = {beyond(q.x, box->min.x, box->max.x), beyond(q.y, box->min.y, box->max.y),
+                        beyond(q.z, box->min.z, box->max.z)};
+    return gd_vec3_dot(d, d);
+}
+
+static void visit_face(struct gd__bvh_search *search, uint32_t face)
+{
+    struct nearest *nearest = (struct nearest *)search;
+    double distance = gd__foot_distance(nearest->mesh, face, nearest->q);
+    const uint32_t *index = nearest->mesh->index_of_face;
+    bool better = nearest->face == GD_NONE || distance < nearest->best ||
+                  (distance == nearest->best && index[face] < index[nearest->face]);
+    if (!better) return;
+    nearest->best = distance;
+    nearest->face = face;
+    double reach = sqrt(distance) + nearest->slack;
+    search->limit = reach * reach;
+}
+
+/* To the inside unit. What is too far for its square is brought nearer: from there all of the surface is equally
+ * near. */
+static struct gd_vec3 bring_inside(const struct gd_mesh *mesh, struct gd_vec3 xyz)
+{
+    double largest = gd__largest_coordinate(xyz);
+    if (largest / GD_EXTENT_MAX > mesh->unit) return gd_vec3_scale(gd_vec3_scale(xyz, 1 / largest), GD_EXTENT_MAX);
+    return gd_vec3_scale(xyz, 1 / mesh->unit);
+}
+
+static double distance_between(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return hypot(hypot(a.x - b.x, a.y - b.y), a.z - b.z);
+}
+
+enum gd_status gd_locate_nearest(const struct gd_mesh *mesh, struct gd_vec3 xyz, double max_snap, struct gd_point *out,
+                                 double *distance, struct gd_detail *detail)
+{
+    if (!isfinite(xyz.x) || !isfinite(xyz.y) || !isfinite(xyz.z) || isnan(max_snap))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a coordinate or max_snap is not a finite number");
+    struct nearest nearest = {
+        {INFINITY, bound_of_box, visit_face}, mesh, bring_inside(mesh, xyz), 0, INFINITY, GD_NONE};
+    double magnitude = fmax(gd__largest_coordinate(nearest.q), gd__bvh_magnitude(mesh));
+    nearest.slack = GD_TOL_LOCATE * magnitude;
+    gd__bvh_run(mesh, &nearest.search);
+    struct gd_point point = gd__foot_point(mesh, nearest.face, nearest.q, gd__largest_coordinate(nearest.q));
+    double moved = distance_between(xyz, gd_point_position(mesh, &point));
+    if (max_snap >= 0 && moved > max_snap)
+        return gd_fail(detail, GD_NOT_ON_SURFACE,
+                       "the nearest point of the surface is %.17g away, farther than max_snap = %.17g", moved,
+                       max_snap);
+    *out = point;
+    if (distance) *distance = moved;
+    return GD_OK;
+}

@@ -1,0 +1,203 @@
+#include "gd/point.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "base/tolerance.h"
+#include "mesh/canonical.h"
+
+struct gd_point gd__point_of_vertex(uint32_t vertex)
+{
+    return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
+}
+
+struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
+{
+    if (t <= GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[2 * edge]);
+    if (t >= 1 - GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
+    return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
+}
+
+struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3])
+{
+    const uint32_t *side = mesh->face_side[face];
+    for (int k = 0; k < 3; k++) {
+        if (weight[k] >= 1 - 2 * GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[side[k]]);
+    }
+    for (int k = 0; k < 3; k++) {
+        if (weight[k] > GD_TOL_ON_BORDER) continue;
+        /* on the side opposite to corner k: its parameter is the weight of the end of side 0 */
+        uint32_t h = side[(k + 1) % 3];
+        return gd__point_of_edge(mesh, h / 2, weight[(k + (h % 2 ? 1 : 2)) % 3]);
+    }
+    return (struct gd_point){.kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
+}
+
+static enum gd_status find_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex, uint32_t *out,
+                                  struct gd_detail *detail)
+{
+    if (vertex.index >= mesh->summary.index_count)
+        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no vertex %u: the mesh has %u, numbered from 0", vertex.index,
+                       mesh->summary.index_count);
+    if (mesh->vertex_of_index[vertex.index] == GD_NONE)
+        return gd_fail(detail, GD_UNREFERENCED_VERTEX, "vertex %u belongs to no face, so it is not on the surface",
+                       vertex.index);
+    *out = mesh->vertex_of_index[vertex.index];
+    return GD_OK;
+}
+
+enum gd_status gd_point_at_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex, struct gd_point *out,
+                                  struct gd_detail *detail)
+{
+    uint32_t v = GD_NONE;
+    enum gd_status status = find_vertex(mesh, vertex, &v, detail);
+    if (!status) *out = gd__point_of_vertex(v);
+    return status;
+}
+
+enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, struct gd_vertex b, double t,
+                                struct gd_point *out, struct gd_detail *detail)
+{
+    uint32_t from = GD_NONE, to = GD_NONE;
+    enum gd_status status = find_vertex(mesh, a, &from, detail);
+    if (!status) status = find_vertex(mesh, b, &to, detail);
+    if (status) return status;
+    if (!isfinite(t)) return gd_fail(detail, GD_INVALID_ARGUMENT, "t is not a finite number");
+    if (t < -GD_TOL_INPUT || t > 1 + GD_TOL_INPUT)
+        return gd_fail(detail, GD_NOT_ON_SURFACE, "t is %.17g; it runs from 0 at vertex %u to 1 at vertex %u", t,
+                       a.index, b.index);
+    uint32_t side = gd__side_between(mesh, from, to);
+    if (side == GD_NONE) return gd_fail(detail, GD_NO_SUCH_EDGE, "vertices %u and %u share no edge", a.index, b.index);
+    *out = gd__point_of_edge(mesh, side / 2, side % 2 ? 1 - t : t);
+    return GD_OK;
+}
+
+static enum gd_status check_barycentric(const double b[3], struct gd_detail *detail)
+{
+    if (!isfinite(b[0]) || !isfinite(b[1]) || !isfinite(b[2]))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a barycentric coordinate is not a finite number");
+    for (int k = 0; k < 3; k++) {
+        if (b[k] < -GD_TOL_INPUT)
+            return gd_fail(detail, GD_NOT_ON_SURFACE,
+                           "barycentric coordinate %.17g is negative: the point is outside the face", b[k]);
+    }
+    double sum = b[0] + b[1] + b[2];
+    if (fabs(sum - 1) > GD_TOL_INPUT)
+        return gd_fail(detail, GD_NOT_ON_SURFACE, "the barycentric coordinates sum to %.17g instead of 1", sum);
+    return GD_OK;
+}
+
+/* Input order -> corners of the face inside; negative rounding is cut off; the sum is made 1 unless it is that
+ * already. */
+static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[3], double weight[3])
+{
+    bool flipped = mesh->face_flipped[face];
+    weight[0] = fmax(b[0], 0);
+    weight[1] = fmax(b[flipped ? 2 : 1], 0);
+    weight[2] = fmax(b[flipped ? 1 : 2], 0);
+    double sum = weight[0] + weight[1] + weight[2];
+    if (fabs(sum - 1) <= GD_TOL_ON_BORDER) return;
+    for (int k = 0; k < 3; k++) weight[k] /= sum;
+}
+
+enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face, const double barycentric[3],
+                                struct gd_point *out, struct gd_detail *detail)
+{
+    if (face.index >= mesh->face_count)
+        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the mesh has %u, numbered from 0", face.index,
+                       mesh->face_count);
+    enum gd_status status = check_barycentric(barycentric, detail);
+    if (status) return status;
+    double weight[3];
+    uint32_t f = mesh->face_of_index[face.index];
+    normalise(mesh, f, barycentric, weight);
+    *out = gd__point_of_face(mesh, f, weight);
+    return GD_OK;
+}
+
+static struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    return mesh->input_position[mesh->index_of_vertex[vertex]];
+}
+
+struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_VERTEX) return input_position(mesh, point->element);
+    /* from one corner along edges: what is the same at all corners stays the same to the last bit */
+    const uint32_t *side = mesh->face_side[point->element];
+    uint32_t h = point->kind == GD_POINT_EDGE ? 2 * point->element : side[0];
+    struct gd_vec3 a = input_position(mesh, mesh->origin[h]), b = input_position(mesh, mesh->origin[h ^ 1]);
+    if (point->kind == GD_POINT_EDGE) return gd_vec3_along(a, point->weight[0], gd_vec3_sub(b, a));
+    struct gd_vec3 c = input_position(mesh, mesh->origin[side[2]]);
+    struct gd_vec3 moved =
+        gd_vec3_along(gd_vec3_scale(gd_vec3_sub(b, a), point->weight[1]), point->weight[2], gd_vec3_sub(c, a));
+    return gd_vec3_add(a, moved);
+}
+
+/* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the input. */
+static uint32_t lowest_face(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_FACE) return point->element;
+    uint32_t best = GD_NONE, begin = 2 * point->element, end = begin + 2;
+    if (point->kind == GD_POINT_VERTEX) {
+        begin = mesh->fan_first[point->element];
+        end = mesh->fan_first[point->element + 1];
+    }
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t face = mesh->side_face[point->kind == GD_POINT_VERTEX ? mesh->fan[i].side : i];
+        if (face == GD_NONE) continue;
+        if (best == GD_NONE || mesh->index_of_face[face] < mesh->index_of_face[best]) best = face;
+    }
+    return best;
+}
+
+/* Barycentric coordinates of the point by the corners of `face` inside. */
+static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3])
+{
+    for (int k = 0; k < 3; k++) {
+        uint32_t corner = mesh->origin[mesh->face_side[face][k]];
+        switch (point->kind) {
+        case GD_POINT_FACE:
+            weight[k] = point->weight[k];
+            break;
+        case GD_POINT_VERTEX:
+            weight[k] = corner == point->element;
+            break;
+        case GD_POINT_EDGE:
+            weight[k] = corner == mesh->origin[2 * point->element]       ? 1 - point->weight[0]
+                        : corner == mesh->origin[2 * point->element + 1] ? point->weight[0]
+                                                                         : 0;
+            break;
+        }
+    }
+}
+
+static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_point_description *out)
+{
+    uint32_t a = mesh->index_of_vertex[mesh->origin[2 * point->element]];
+    uint32_t b = mesh->index_of_vertex[mesh->origin[2 * point->element + 1]];
+    out->edge[0].index = a < b ? a : b;
+    out->edge[1].index = a < b ? b : a;
+    out->t = a < b ? point->weight[0] : 1 - point->weight[0];
+}
+
+void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_point_description *out)
+{
+    uint32_t face = lowest_face(mesh, point);
+    double weight[3];
+    weights_in_face(mesh, point, face, weight);
+    bool flipped = mesh->face_flipped[face];
+    *out = (struct gd_point_description){
+        .xyz = gd_point_position(mesh, point),
+        .face = {mesh->index_of_face[face]},
+        .barycentric = {weight[0], weight[flipped ? 2 : 1], weight[flipped ? 1 : 2]},
+        .kind = point->kind,
+    };
+    if (point->kind == GD_POINT_VERTEX) out->vertex.index = mesh->index_of_vertex[point->element];
+    if (point->kind == GD_POINT_EDGE) describe_edge(mesh, point, out);
+}
+
+bool gd_point_equal(const struct gd_point *a, const struct gd_point *b)
+{
+    return a->kind == b->kind && a->element == b->element && memcmp(a->weight, b->weight, sizeof a->weight) == 0;
+}

@@ -1,0 +1,117 @@
+/* What is known of the mesh as a whole: components, boundary loops, Euler characteristic, extents. */
+#include <stdlib.h>
+
+#include "mesh/build.h"
+
+static enum gd_status label_vertices(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    mesh->vertex_component = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_component);
+    if (!mesh->vertex_component) return GD_NO_MEMORY;
+    for (uint32_t f = 0; f < mesh->face_count; f++) {
+        for (int k = 0; k < 3; k++) mesh->vertex_component[work->corner[f][k]] = work->component[f];
+    }
+    return GD_OK;
+}
+
+static enum gd_status count_components(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    mesh->component = gd__mesh_array(mesh, work->component_count, sizeof *mesh->component);
+    if (!mesh->component) return GD_NO_MEMORY;
+    for (uint32_t f = 0; f < mesh->face_count; f++) mesh->component[work->component[f]].faces++;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) mesh->component[mesh->vertex_component[v]].vertices++;
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        struct gd_component *component = &mesh->component[mesh->vertex_component[mesh->origin[2 * e]]];
+        component->edges++;
+        component->mean_edge += mesh->side[2 * e].length;
+    }
+    for (uint32_t c = 0; c < work->component_count; c++) mesh->component[c].mean_edge /= mesh->component[c].edges;
+    return GD_OK;
+}
+
+/* The side without a face that starts at a boundary vertex: it closes the vertex' fan. */
+static uint32_t boundary_side_from(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    return mesh->side[mesh->fan[mesh->fan_first[vertex + 1] - 1].side].left;
+}
+
+/* Measures the loop of boundary side `start` and marks its vertices. */
+static struct gd_boundary walk_loop(const struct gd_mesh *mesh, uint32_t start, uint8_t *visited)
+{
+    struct gd_boundary loop = {0};
+    uint32_t side = start;
+    do {
+        visited[mesh->origin[side]] = 1;
+        loop.vertices++;
+        loop.length += mesh->side[side].length;
+        side = boundary_side_from(mesh, gd__side_destination(mesh, side));
+    } while (side != start);
+    loop.length *= mesh->unit;
+    return loop;
+}
+
+/* Loops in order of their lowest input index: each is met there first. */
+static void walk_loops(struct gd_mesh *mesh, uint8_t *visited)
+{
+    for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
+        uint32_t v = mesh->vertex_of_index[i];
+        if (v == GD_NONE || visited[v] || mesh->vertex_kind[v] != GD_VERTEX_BOUNDARY) continue;
+        uint32_t side = boundary_side_from(mesh, v), loop = mesh->summary.boundaries++;
+        mesh->boundary_side[loop] = side;
+        mesh->boundary[loop] = walk_loop(mesh, side, visited);
+        mesh->component[mesh->vertex_component[v]].boundaries++;
+    }
+}
+
+static enum gd_status find_boundaries(struct gd_mesh *mesh)
+{
+    uint32_t boundary_vertices = 0;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) boundary_vertices += mesh->vertex_kind[v] == GD_VERTEX_BOUNDARY;
+    uint32_t most_loops = boundary_vertices / 3;
+    mesh->boundary = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary);
+    mesh->boundary_side = gd__mesh_array(mesh, most_loops, sizeof *mesh->boundary_side);
+    uint8_t *visited = calloc(mesh->vertex_count, sizeof *visited);
+    if (mesh->boundary && mesh->boundary_side && visited) walk_loops(mesh, visited);
+    enum gd_status status = mesh->boundary && mesh->boundary_side && visited ? GD_OK : GD_NO_MEMORY;
+    free(visited);
+    return status;
+}
+
+static void measure_edges(struct gd_mesh *mesh)
+{
+    double least = INFINITY, most = 0, sum = 0;
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        double length = mesh->side[2 * e].length;
+        least = fmin(least, length);
+        most = fmax(most, length);
+        sum += length;
+    }
+    mesh->summary.edge_length.min = least * mesh->unit;
+    mesh->summary.edge_length.mean = sum / mesh->edge_count * mesh->unit;
+    mesh->summary.edge_length.max = most * mesh->unit;
+}
+
+/* chi = V - E + F and, for each orientable component, chi = 2 - 2 genus - boundaries. */
+static void sum_up(struct gd_mesh *mesh, uint32_t component_count)
+{
+    struct gd_mesh_summary *s = &mesh->summary;
+    s->vertices = mesh->vertex_count;
+    s->faces = mesh->face_count;
+    s->edges = mesh->edge_count;
+    s->components = component_count;
+    s->unreferenced_vertices = s->index_count - s->vertices;
+    s->euler_characteristic = (int64_t)s->vertices - s->edges + s->faces;
+    s->genus = (2 * (int64_t)s->components - s->euler_characteristic - s->boundaries) / 2;
+}
+
+enum gd_status gd__summarise(struct gd__construction *work)
+{
+    enum gd_status status = label_vertices(work);
+    if (!status) status = count_components(work);
+    if (!status) status = find_boundaries(work->mesh);
+    if (status) return status;
+    measure_edges(work->mesh);
+    sum_up(work->mesh, work->component_count);
+    return GD_OK;
+}

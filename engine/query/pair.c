@@ -1,0 +1,54 @@
+#include "gd/query.h"
+
+/* Point to point. The metric is symmetric, so a field of either end answers; a path is reversed when it was traced from `to`. */
+
+void gd_pair_answer_free(struct gd_pair_answer *answer)
+{
+    if (answer) gd_path_free(&answer->path);
+}
+
+static void reverse(struct gd_path *path)
+{
+    for (uint32_t i = 0, j = path->count - 1; i < j; i++, j--) {
+        struct gd_point point = path->points[i];
+        path->points[i] = path->points[j];
+        path->points[j] = point;
+    }
+}
+
+/* `end` is the point that the field is asked at; `reversed`: it is where the answer's path begins already. */
+static enum gd_status ask(const struct gd_field *field, const struct gd_point *end, bool end_is_from, bool want_path,
+                          struct gd_pair_answer *out)
+{
+    struct gd_pair_answer answer = {0};
+    enum gd_status status = gd_field_distance(field, end, &answer.distance);
+    if (!status && want_path && isfinite(answer.distance)) status = gd_field_path(field, end, &answer.path);
+    if (status) return status;
+    if (!end_is_from && answer.path.count) reverse(&answer.path);
+    *out = answer;
+    return GD_OK;
+}
+
+enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_point *from, const struct gd_point *to,
+                                  bool want_path, struct gd_pair_answer *out)
+{
+    struct gd_point seed;
+    if (!gd_field_single_seed(field, &seed)) return GD_INVALID_ARGUMENT;
+    if (gd_point_equal(&seed, from)) return ask(field, to, false, want_path, out);
+    if (gd_point_equal(&seed, to)) return ask(field, from, true, want_path, out);
+    return GD_INVALID_ARGUMENT;
+}
+
+enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
+                             bool want_path, const struct gd_control *control, struct gd_pair_answer *out,
+                             struct gd_detail *detail)
+{
+    struct gd_seed seed = {.point = *from};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .target = to};
+    struct gd_field *field;
+    enum gd_status status = gd_field_build(mesh, &request, control, NULL, &field, detail);
+    if (status) return status;
+    status = gd_pair_from_field(field, from, to, want_path, out);
+    gd_field_release(field);
+    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
+}

@@ -1,0 +1,66 @@
+/* Window: a wedge in flight, on one side of an edge (Definition 1 of the paper; "wedge" is kept for the final stage).
+ *
+ * In the frame of its side (mesh/topology.h) the window sees its pseudo-source at (x, -y), y > 0, straight through [b0, b1]; the distance at
+ * parameter t of the edge is sigma + |(t, 0) - (x, -y)|. It propagates into the side's face. */
+#ifndef GD_WEDGE_WINDOW_H
+#define GD_WEDGE_WINDOW_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/tolerance.h"
+
+/* Tags of a window. LINEAR is reserved for segment sources, whose distance is sigma plus the distance to a line. Bits from SERIAL upwards
+ * number windows that must not be joined. */
+enum { GD__WINDOW_PROPAGATED = 1, GD__WINDOW_LINEAR = 2, GD__WINDOW_SERIAL = 4 };
+
+struct gd__window {
+    double b0, b1;
+    double x, y;
+    double sigma;    /* distance of the pseudo-source */
+    uint32_t source; /* pseudo-source: a vertex, or vertex_count + number of the seed */
+    uint32_t tags;
+};
+
+static inline double gd__window_distance(const struct gd__window *w, double t)
+{
+    double d = t - w->x;
+    return w->sigma + sqrt(d * d + w->y * w->y);
+}
+
+/* Shortest distance that the window gives anywhere on its interval. */
+static inline double gd__window_nearest(const struct gd__window *w)
+{
+    double t = w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
+    return gd__window_distance(w, t);
+}
+
+/* The source sees an edge of that length end on: on its line, beyond its ends. No window is made; the candidate through the end point covers
+ * what it would see. A source beside the edge itself sees it at all angles, however small y is. */
+static inline bool gd__window_grazes(double x, double y, double length)
+{
+    if (y > GD_TOL_GRAZING * length) return false;
+    return y < 0 || x < -GD_TOL_BESIDE * length || x > (1 + GD_TOL_BESIDE) * length ||
+           (y == 0 && (x <= 0 || x >= length));
+}
+
+/* One source seen through two windows: they differ in their intervals only. */
+static inline bool gd__window_same_source(const struct gd__window *a, const struct gd__window *b)
+{
+    if (a->source != b->source || a->sigma != b->sigma || a->tags != b->tags) return false;
+    double tolerance = GD_TOL_SAME_SOURCE * (a->y + fabs(a->x));
+    return fabs(a->x - b->x) <= tolerance && fabs(a->y - b->y) <= tolerance;
+}
+
+/* The same window seen from the other side of an edge of that length: used to compare, never to propagate. */
+static inline struct gd__window gd__window_mirrored(const struct gd__window *w, double length)
+{
+    struct gd__window m = *w;
+    m.b0 = length - w->b1;
+    m.b1 = length - w->b0;
+    m.x = length - w->x;
+    return m;
+}
+
+#endif

@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
+
+    generate.py routes openapi.yaml              the route table, C, for proto/route.h
+    generate.py assets openapi.yaml [file...]    openapi.json and static files, C, for proto/asset.h
+    generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
+
+Each of them refuses a document that breaks a rule of check_document.
+"""
+import gzip
+import hashlib
+import json
+import pathlib
+import re
+import sys
+
+import yaml
+
+METHODS = ("get", "put", "post", "delete")  # what the table knows; head is answered wherever get is
+MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
+MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
+IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
+CAPTURE = re.compile(r"\{([a-z_]+)\}")
+
+MEDIA_TYPES = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".ico": "image/x-icon",
+    ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
+    ".png": "image/png",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+    ".wasm": "application/wasm",
+    ".webp": "image/webp",
+    ".woff2": "font/woff2",
+}
+
+
+# --- the document ---------------------------------------------------------------------------------------------------
+
+
+class UniqueKeyLoader(yaml.SafeLoader):
+    """YAML lets a key stand twice and keeps the last one; here that is a mistake."""
+
+
+def construct_unique_mapping(loader, node):
+    keys = [loader.construct_object(key, deep=True) for key, _ in node.value]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise yaml.constructor.ConstructorError(None, None, f"the key {key!r} stands twice", node.start_mark)
+    return yaml.SafeLoader.construct_mapping(loader, node, deep=True)
+
+
+UniqueKeyLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, construct_unique_mapping)
+
+
+def load_document(path):
+    with open(path, encoding="utf-8") as file:
+        return yaml.load(file, Loader=UniqueKeyLoader)
+
+
+def operations(document):
+    """(path, path item, method, operation) of each operation in the order of the document, head included."""
+    for path, item in document["paths"].items():
+        for method in (*METHODS, "head"):
+            if method in item:
+                yield path, item, method, item[method]
+
+
+def segments(path):
+    return path[1:].split("/") if path != "/" else []
+
+
+def values(node, place="#"):
+    """(place, value) of every value in the document."""
+    yield place, node
+    pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in pairs:
+        yield from values(value, f"{place}/{str(key).replace('~', '~0').replace('/', '~1')}")
+
+
+def resolve(document, reference):
+    """The value that a reference within the document points at; LookupError if there is none."""
+    if not reference.startswith("#/"):
+        raise LookupError(reference)
+    node = document
+    for part in reference[2:].split("/"):
+        node = node[part.replace("~1", "/").replace("~0", "~")]
+    return node
+
+
+# --- its rules ------------------------------------------------------------------------------------------------------
+
+
+def check_references(document):
+    used = set()
+    for place, value in values(document):
+        if not isinstance(value, dict) or not isinstance(value.get("$ref"), str):
+            continue
+        used.add(value["$ref"])
+        try:
+            resolve(document, value["$ref"])
+        except LookupError:
+            yield f"{place}: {value['$ref']} does not exist"
+    for kind, components in document["components"].items():
+        for name in components:
+            if f"#/components/{kind}/{name}" not in used:
+                yield f"#/components/{kind}/{name} is not used"
+
+
+def check_closed_objects(document):
+    for place, value in values(document):
+        if isinstance(value, dict) and value.get("type") == "object" and "properties" in value:
+            if value.get("additionalProperties") is not False:
+                yield f"{place}: additionalProperties is not false"
+            for name in value.get("required", []):
+                if name not in value["properties"]:
+                    yield f"{place}: required {name} is no property"
+
+
+def check_path_parameters(document, path, item, operation):
+    parameters = [*item.get("parameters", []), *operation.get("parameters", [])]
+    parameters = [resolve(document, p["$ref"]) if "$ref" in p else p for p in parameters]
+    declared = sorted(p["name"] for p in parameters if p["in"] == "path")
+    if declared != sorted(CAPTURE.findall(path)):
+        yield f"declares the path parameters {declared}"
+
+
+def check_operation(document, path, item, operation):
+    yield from check_path_parameters(document, path, item, operation)
+    for field in ("summary", "tags", "responses"):
+        if not operation.get(field):
+            yield f"has no {field}"
+    for name in (operation.get("operationId", ""), handler(operation)):
+        if not IDENTIFIER.fullmatch(name):
+            yield f"has the name {name!r}"
+    if len(segments(path)) > MAX_SEGMENTS or len(CAPTURE.findall(path)) > MAX_CAPTURES:
+        yield "has a path too long for the table"
+
+
+def check_operations(document):
+    seen = set()
+    for path, item, method, operation in operations(document):
+        for complaint in check_operation(document, path, item, operation):
+            yield f"{method} {path}: {complaint}"
+        if operation.get("operationId") in seen:
+            yield f"{method} {path}: the operationId stands twice"
+        seen.add(operation.get("operationId"))
+
+
+def check_document(document):
+    """Complaints about the document, one string each."""
+    yield from check_references(document)
+    yield from check_closed_objects(document)
+    yield from check_operations(document)
+
+
+def check_problems(document, header):
+    """The problems of the contract are those of the code."""
+    text = pathlib.Path(header).read_text(encoding="utf-8")
+    coded = re.findall(r'X\(\d{3}, \w+, (\w+), "', text)
+    documented = document["components"]["schemas"]["Problem"]["properties"]["code"]["enum"]
+    if coded != documented:
+        yield f"the problem codes differ from {header}: {sorted(set(coded) ^ set(documented)) or 'their order'}"
+
+
+# --- C --------------------------------------------------------------------------------------------------------------
+
+
+def c_string(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def c_bytes(name, data):
+    """An array as a string literal, read faster by compilers than a list of numbers. Its final NUL does not count."""
+    lines = []
+    for start in range(0, len(data), 64):
+        lines.append('    "' + "".join(f"\\{byte:03o}" for byte in data[start : start + 64]) + '"')
+    return f"static const unsigned char {name}[] =\n" + "\n".join(lines or ['    ""']) + ";\n"
+
+
+# --- routes ---------------------------------------------------------------------------------------------------------
+
+
+def handler(operation):
+    return operation.get("x-handler", operation.get("operationId", ""))
+
+
+def query_name(path, method, operation):
+    """Queries are counted by their POST form, which each of them has."""
+    return segments(path)[-1] if method == "post" and "queries" in operation["tags"] else None
+
+
+def literals_first(route):
+    path, method = route[0], route[2]
+    return [(bool(CAPTURE.fullmatch(part)), part) for part in segments(path)], METHODS.index(method)
+
+
+def route_row(path, method, operation):
+    parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
+    query = query_name(path, method, operation)
+    fields = {
+        "method": f"PROTO_METHOD_{method.upper()}",
+        "has_body": "true" if "requestBody" in operation else "false",
+        "operation": c_string(operation["operationId"]),
+        "path": c_string(path),
+        "query": c_string(query) if query else "NULL",
+        "segment_count": str(len(parts)),
+        "segments": "{" + ", ".join(c_string(part) if part else "NULL" for part in parts or [None]) + "}",
+        "handle": f"server_handle_{handler(operation)}",
+    }
+    return "    {" + ", ".join(f".{name} = {value}" for name, value in fields.items()) + "},"
+
+
+def print_routes(document):
+    routes = sorted((route for route in operations(document) if route[2] != "head"), key=literals_first)
+    handlers = sorted({handler(operation) for _, _, _, operation in routes})
+    print('/* Made by generate.py from openapi.yaml. */\n#include "proto/route.h"\n')
+    for name in handlers:
+        print(f"void server_handle_{name}(struct server_exchange *exchange);")
+    print("\nconst struct proto_route proto_routes[] = {")
+    for path, _, method, operation in routes:
+        print(route_row(path, method, operation))
+    print("};\n\nconst size_t proto_route_count = sizeof proto_routes / sizeof proto_routes[0];")
+
+
+# --- assets ---------------------------------------------------------------------------------------------------------
+
+
+def published(node):
+    """The document without the extension that is the generator's own."""
+    if isinstance(node, dict):
+        return {key: published(value) for key, value in node.items() if key != "x-handler"}
+    if isinstance(node, list):
+        return [published(value) for value in node]
+    return node
+
+
+def static_files(arguments):
+    """(path on the server, bytes) of the files, and of all files below the folders, that the arguments name."""
+    for argument in sorted(arguments):
+        root = pathlib.Path(argument)
+        files = sorted(root.rglob("*")) if root.is_dir() else [root]
+        for file in files:
+            if file.is_file():
+                yield "/" + file.relative_to(root.parent).as_posix(), file.read_bytes()
+
+
+def media_type(path):
+    suffix = pathlib.PurePosixPath(path).suffix
+    if suffix not in MEDIA_TYPES:
+        sys.exit(f"generate.py: {path}: no media type is known for {suffix!r}")
+    return MEDIA_TYPES[suffix]
+
+
+def asset_rows(path, number, data, compressed):
+    etag = '"' + hashlib.sha256(data).hexdigest()[:32] + '"'
+    packed = f"gzip_{number}, {len(compressed)}" if compressed else "NULL, 0"
+    content = f"{c_string(media_type(path))}, {c_string(etag)}, bytes_{number}, {len(data)}, {packed}"
+    for alias in [path, "/"] if path == "/index.html" else [path]:
+        yield f"    {{{c_string(alias)}, {content}}},"
+
+
+def print_assets(document, arguments):
+    text = json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
+    assets = [("/openapi.json", text.encode("utf-8")), *static_files(arguments)]
+    rows = []
+    print('/* Made by generate.py from openapi.yaml and the pages of the viewer. */\n#include "proto/asset.h"\n')
+    for number, (path, data) in enumerate(assets):
+        compressed = gzip.compress(data, compresslevel=9, mtime=0)
+        compressed = compressed if len(compressed) < len(data) else None
+        print(c_bytes(f"bytes_{number}", data))
+        if compressed:
+            print(c_bytes(f"gzip_{number}", compressed))
+        rows += asset_rows(path, number, data, compressed)
+    print("const struct proto_asset proto_assets[] = {", *rows, "};", sep="\n")
+    print("\nconst size_t proto_asset_count = sizeof proto_assets / sizeof proto_assets[0];")
+
+
+# --- command line ---------------------------------------------------------------------------------------------------
+
+
+def main(arguments):
+    if len(arguments) < 2 or arguments[0] not in ("routes", "assets", "check"):
+        sys.exit(__doc__.strip())
+    mode, path, *rest = arguments
+    document = load_document(path)
+    complaints = list(check_document(document))
+    if mode == "check":
+        for header in rest:
+            complaints += check_problems(document, header)
+    if complaints:
+        sys.exit("\n".join(f"{path}: {complaint}" for complaint in complaints))
+    if mode == "routes":
+        print_routes(document)
+    elif mode == "assets":
+        print_assets(document, rest)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,240 @@
+#include "proto/mesh.h"
+
+#include <string.h>
+#include <time.h>
+
+#include "proto/accept.h"
+#include "proto/point.h"
+
+/* --- name
+ * --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_name_character(char character, bool first)
+{
+    bool letter = (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z');
+    bool digit = character >= '0' && character <= '9';
+    return letter || digit || character == '_' || character == '-' || (character == '.' && !first);
+}
+
+bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem *problem)
+{
+    bool good = length > 0 && length <= PROTO_MESH_NAME;
+    for (size_t i = 0; good && i < length; i++) good = is_name_character(name[i], i == 0);
+    return good ||
+           proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                             "a mesh's name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
+                             PROTO_MESH_NAME);
+}
+
+/* --- options of an upload
+ * ----------------------------------------------------------------------------------------------- */
+
+static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out, struct proto_problem *problem)
+{
+    const char *name = parameters->get(parameters->user, "format");
+    if (!name) return true;
+    enum gd_format format = gd_format_by_name(name);
+    if (format == GD_FORMAT_ANY)
+        return proto_problem_refuse(problem, "format", "expected one of: obj ply stl off json");
+    *out = format;
+    return true;
+}
+
+static bool refuse_unsupported(const struct proto_parameters *parameters, struct proto_problem *problem)
+{
+    static const char *const repairs[] = {"none", "split", NULL};
+    unsigned repair = 0;
+    if (parameters->get(parameters->user, "weld"))
+        return proto_problem_refuse(problem, "weld", "this version can't weld vertices; leave weld out");
+    if (!proto_parameters_choice(parameters, "repair", repairs, &repair, problem)) return false;
+    return repair == 0 || proto_problem_refuse(problem, "repair", "this version can't repair meshes; leave repair out");
+}
+
+bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct proto_mesh_options *out,
+                              struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", "weld", "repair", "triangulate", NULL};
+    static const char *const booleans[] = {"false", "true", NULL};
+    struct proto_mesh_options options = {.format = GD_FORMAT_ANY};
+    unsigned triangulate = true;
+    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!parse_format(parameters, &options.format, problem)) return false;
+    if (!refuse_unsupported(parameters, problem)) return false;
+    if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem)) return false;
+    options.build.refuse_polygons = !triangulate;
+    *out = options;
+    return true;
+}
+
+bool proto_mesh_options_equal(const struct proto_mesh_options *a, const struct proto_mesh_options *b)
+{
+    return a->format == b->format && a->build.refuse_polygons == b->build.refuse_polygons;
+}
+
+enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,
+                                        const char *content_type)
+{
+    if (options->format != GD_FORMAT_ANY) return options->format;
+    enum gd_format format = gd_format_recognise(bytes, size);
+    if (format != GD_FORMAT_ANY || !content_type) return format;
+    return gd_format_by_media_type(content_type);
+}
+
+/* --- format on the way out
+ * ---------------------------------------------------------------------------------------------- */
+
+/* In order of preference at equal quality. */
+static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF, GD_FORMAT_STL};
+#define CONTENT_FORMATS (sizeof content_formats / sizeof content_formats[0])
+
+static bool negotiate(const char *accept, enum gd_format *out, struct proto_problem *problem)
+{
+    unsigned best = 0;
+    for (size_t i = 0; i < CONTENT_FORMATS; i++) {
+        unsigned quality = proto_accept_quality(accept, gd_format_media_type(content_formats[i]));
+        if (quality <= best) continue;
+        best = quality;
+        *out = content_formats[i];
+    }
+    return best > 0 ||
+           proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                             "a mesh can be had as model/obj, application/x-ply, text/x-off or model/stl; see Accept");
+}
+
+bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept, enum gd_format *out,
+                               struct proto_problem *problem)
+{
+    static const char *const names[] = {"format", NULL};
+    enum gd_format format = GD_FORMAT_ANY;
+    if (!proto_parameters_check(parameters, names, problem)) return false;
+    if (!parse_format(parameters, &format, problem)) return false;
+    if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
+    if (format == GD_FORMAT_JSON) return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl");
+    *out = format;
+    return true;
+}
+
+/* --- description
+ * -------------------------------------------------------------------------------------------------------- */
+
+static void encode_text(struct proto_writer *writer, const char *key, const char *text)
+{
+    proto_write_key(writer, key);
+    proto_write_string(writer, text);
+}
+
+static void encode_count(struct proto_writer *writer, const char *key, uint64_t count)
+{
+    proto_write_key(writer, key);
+    proto_write_uint(writer, count);
+}
+
+static void encode_length(struct proto_writer *writer, const char *key, double length)
+{
+    proto_write_key(writer, key);
+    proto_write_number(writer, length);
+}
+
+static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t count)
+{
+    proto_write_key(writer, "boundaries");
+    proto_write_array_begin(writer);
+    for (uint32_t loop = 0; loop < count; loop++) {
+        struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
+        proto_write_object_begin(writer);
+        encode_count(writer, "vertices", boundary.vertices);
+        encode_length(writer, "length", boundary.length);
+        proto_write_object_end(writer);
+    }
+    proto_write_array_end(writer);
+}
+
+static void encode_topology(struct proto_writer *writer, const struct gd_mesh *mesh,
+                            const struct gd_mesh_summary *summary)
+{
+    encode_count(writer, "index_count", summary->index_count);
+    encode_count(writer, "vertices", summary->vertices);
+    encode_count(writer, "faces", summary->faces);
+    encode_count(writer, "edges", summary->edges);
+    encode_count(writer, "components", summary->components);
+    encode_boundaries(writer, mesh, summary->boundaries);
+    proto_write_key(writer, "euler_characteristic");
+    proto_write_int(writer, summary->euler_characteristic);
+    proto_write_key(writer, "genus");
+    proto_write_int(writer, summary->genus);
+    proto_write_key(writer, "orientation");
+    proto_write_object_begin(writer);
+    encode_count(writer, "flipped_faces", summary->flipped_faces);
+    proto_write_object_end(writer);
+}
+
+static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_summary *summary)
+{
+    encode_length(writer, "area", summary->area);
+    proto_write_key(writer, "bounding_box");
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "min");
+    proto_xyz_encode(writer, summary->min);
+    proto_write_key(writer, "max");
+    proto_xyz_encode(writer, summary->max);
+    proto_write_object_end(writer);
+    proto_write_key(writer, "edge_length");
+    proto_write_object_begin(writer);
+    encode_length(writer, "min", summary->edge_length.min);
+    encode_length(writer, "mean", summary->edge_length.mean);
+    encode_length(writer, "max", summary->edge_length.max);
+    proto_write_object_end(writer);
+    encode_count(writer, "degenerate_faces", summary->degenerate_faces);
+    encode_count(writer, "saddle_vertices", summary->saddle_vertices);
+    encode_count(writer, "unreferenced_vertices", summary->unreferenced_vertices);
+}
+
+/* No repair is made yet: the counts say so. */
+static void encode_repair(struct proto_writer *writer)
+{
+    proto_write_key(writer, "repair");
+    proto_write_object_begin(writer);
+    encode_count(writer, "edges_split", 0);
+    encode_count(writer, "vertices_split", 0);
+    proto_write_object_end(writer);
+}
+
+static void encode_time(struct proto_writer *writer, const char *key, int64_t seconds)
+{
+    char text[32];
+    struct tm tm;
+    time_t time = (time_t)seconds;
+    size_t size = gmtime_r(&time, &tm) ? strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm) : 0;
+    proto_write_key(writer, key);
+    proto_write_string(writer, size ? text : NULL);
+}
+
+void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
+    proto_write_object_begin(writer);
+    encode_text(writer, "name", description->name);
+    encode_text(writer, "sha256", description->sha256);
+    encode_topology(writer, description->mesh, summary);
+    encode_geometry(writer, summary);
+    encode_repair(writer);
+    encode_count(writer, "memory_bytes", description->memory_bytes);
+    encode_count(writer, "fields_cached", description->fields_cached);
+    encode_time(writer, "created", description->created);
+    encode_text(writer, "etag", description->etag);
+    proto_write_object_end(writer);
+}
+
+void proto_mesh_list_begin(struct proto_writer *writer)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "meshes");
+    proto_write_array_begin(writer);
+}
+
+void proto_mesh_list_end(struct proto_writer *writer, const char *next)
+{
+    proto_write_array_end(writer);
+    encode_text(writer, "next", next);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,14 @@
+/* Path: a polyline on the surface in an answer. */
+#ifndef PROTO_PATH_H
+#define PROTO_PATH_H
+
+#include "gd/path.h"
+#include "proto/options.h"
+#include "proto/writer.h"
+
+/* Writes {"length", "points"}. geometry: full gives each point's xyz and the element that it lies on ({"xyz","vertex"},
+ * {"xyz","edge","t"} or {"xyz","face","barycentric"}), xyz gives [x,y,z], none leaves the points out. O(points). */
+void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
+                       enum proto_geometry geometry);
+
+#endif

@@ -1,0 +1,255 @@
+#include "proto/problem.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "proto/writer.h"
+
+/* --- the list
+ * ----------------------------------------------------------------------------------------------------------- */
+
+static unsigned http_status(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_STATUS(status, NAME, name, title)                                                                \
+    case PROTO_PROBLEM_##NAME:                                                                                         \
+        return status;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_STATUS)
+#undef PROTO_PROBLEM_STATUS
+    }
+    return 200;
+}
+
+const char *proto_problem_name(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_NAME(status, NAME, name, title)                                                                  \
+    case PROTO_PROBLEM_##NAME:                                                                                         \
+        return #name;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_NAME)
+#undef PROTO_PROBLEM_NAME
+    }
+    return "none";
+}
+
+static const char *title_of(enum proto_problem_code code)
+{
+    switch (code) {
+    case PROTO_PROBLEM_NONE:
+        break;
+#define PROTO_PROBLEM_TITLE(status, NAME, name, title)                                                                 \
+    case PROTO_PROBLEM_##NAME:                                                                                         \
+        return title;
+        PROTO_PROBLEM_MAP(PROTO_PROBLEM_TITLE)
+#undef PROTO_PROBLEM_TITLE
+    }
+    return "No problem";
+}
+
+/* --- making one
+ * --------------------------------------------------------------------------------------------------------- */
+
+static void start(struct proto_problem *problem, enum proto_problem_code code, const char *format, va_list arguments)
+{
+    memset(problem, 0, sizeof *problem);
+    problem->code = code;
+    problem->status = http_status(code);
+    vsnprintf(problem->detail, sizeof problem->detail, format, arguments);
+}
+
+bool proto_problem_set(struct proto_problem *problem, enum proto_problem_code code, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, code, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool proto_problem_refuse(struct proto_problem *problem, const char *place, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    start(problem, PROTO_PROBLEM_INVALID_REQUEST, format, arguments);
+    va_end(arguments);
+    return proto_problem_at(problem, place);
+}
+
+static bool is_pointer(const char *place)
+{
+    return place[0] == '\0' || place[0] == '/';
+}
+
+bool proto_problem_at(struct proto_problem *problem, const char *place)
+{
+    problem->has_pointer = is_pointer(place);
+    char *to = problem->has_pointer ? problem->pointer : problem->parameter;
+    size_t size = problem->has_pointer ? sizeof problem->pointer : sizeof problem->parameter;
+    snprintf(to, size, "%s", place);
+    return false;
+}
+
+bool proto_problem_descend(struct proto_problem *problem, const char *member)
+{
+    if (!problem->has_pointer) return false;
+    size_t at = strlen(problem->pointer);
+    const size_t last = sizeof problem->pointer - 3; /* room for an escape and the NUL */
+    if (at < last) problem->pointer[at++] = '/';
+    for (; *member && at < last; member++) {
+        bool escaped = *member == '~' || *member == '/';
+        if (escaped) problem->pointer[at++] = '~';
+        problem->pointer[at++] = *member == '~' ? '0' : *member == '/' ? '1' : *member;
+    }
+    problem->pointer[at] = '\0';
+    return false;
+}
+
+bool proto_problem_limit(struct proto_problem *problem, uint64_t limit)
+{
+    problem->has_limit = true;
+    problem->limit = limit;
+    return false;
+}
+
+/* --- from the engine
+ * ---------------------------------------------------------------------------------------------------- */
+
+static enum proto_problem_code code_of(enum gd_status status)
+{
+    switch (status) {
+    case GD_INVALID_ARGUMENT:
+    case GD_OUT_OF_RANGE:
+    case GD_UNREFERENCED_VERTEX:
+    case GD_NO_SUCH_EDGE:
+        return PROTO_PROBLEM_INVALID_REQUEST;
+    case GD_NOT_ON_SURFACE:
+        return PROTO_PROBLEM_POINT_NOT_ON_SURFACE;
+    case GD_UNRECOGNIZED:
+    case GD_TRUNCATED:
+    case GD_SYNTAX:
+    case GD_UNSUPPORTED:
+    case GD_INDEX:
+    case GD_EMPTY:
+    case GD_NON_FINITE:
+    case GD_EXTENT:
+    case GD_DEGENERATE_FACE:
+    case GD_DUPLICATE_FACE:
+    case GD_NON_MANIFOLD_EDGE:
+    case GD_NON_MANIFOLD_VERTEX:
+    case GD_NON_ORIENTABLE:
+    case GD_NOT_TRIANGLES:
+    case GD_NOT_TRIANGULABLE:
+        return PROTO_PROBLEM_INVALID_MESH;
+    case GD_NO_MEMORY:
+    case GD_BUDGET:
+        return PROTO_PROBLEM_INSUFFICIENT_MEMORY;
+    case GD_TOO_LARGE:
+        return PROTO_PROBLEM_TOO_LARGE;
+    case GD_CANCELLED:
+        return PROTO_PROBLEM_DRAINING;
+    case GD_DEADLINE:
+        return PROTO_PROBLEM_DEADLINE_EXCEEDED;
+    case GD_OK:
+    case GD_BEYOND_REACH:
+    case GD_INTERNAL:
+        break;
+    }
+    return PROTO_PROBLEM_INTERNAL;
+}
+
+bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status, const struct gd_detail *detail)
+{
+    enum proto_problem_code code = code_of(status);
+    if (code == PROTO_PROBLEM_INTERNAL)
+        return proto_problem_set(problem, code,
+                                 "a self-check failed and the answer was withheld; please report it with the request");
+    const char *sentence = detail && detail->text[0] ? detail->text : gd_status_sentence(status);
+    proto_problem_set(problem, code, "%s", sentence);
+    if (code == PROTO_PROBLEM_INVALID_MESH) problem->reason = gd_status_name(status);
+    if (code == PROTO_PROBLEM_DRAINING) problem->retry_after = 1;
+    if (detail && detail->kind != GD_ELEMENT_NONE) {
+        problem->element = detail->kind;
+        problem->element_count = detail->count;
+        memcpy(problem->elements, detail->elements, sizeof problem->elements);
+    }
+    return false;
+}
+
+/* --- telling it
+ * --------------------------------------------------------------------------------------------------------- */
+
+static const char *element_name(enum gd_element element)
+{
+    switch (element) {
+    case GD_ELEMENT_NONE:
+        break;
+    case GD_ELEMENT_VERTEX:
+        return "vertex";
+    case GD_ELEMENT_EDGE:
+        return "edge";
+    case GD_ELEMENT_FACE:
+        return "face";
+    case GD_ELEMENT_LINE:
+        return "line";
+    case GD_ELEMENT_BYTE:
+        return "byte";
+    }
+    return "element";
+}
+
+static void encode_element(struct proto_writer *writer, enum gd_element element, const uint64_t id[2])
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, element_name(element));
+    if (element == GD_ELEMENT_EDGE) {
+        proto_write_array_begin(writer);
+        proto_write_uint(writer, id[0]);
+        proto_write_uint(writer, id[1]);
+        proto_write_array_end(writer);
+    } else {
+        proto_write_uint(writer, id[0]);
+    }
+    proto_write_object_end(writer);
+}
+
+static void encode_text(struct proto_writer *writer, const char *key, const char *text)
+{
+    proto_write_key(writer, key);
+    proto_write_string(writer, text);
+}
+
+static void encode_elements(struct proto_writer *writer, const struct proto_problem *problem)
+{
+    proto_write_key(writer, "elements");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < problem->element_count; i++)
+        encode_element(writer, problem->element, problem->elements[i]);
+    proto_write_array_end(writer);
+}
+
+void proto_problem_encode(struct proto_writer *writer, const struct proto_problem *problem)
+{
+    char type[64];
+    snprintf(type, sizeof type, "urn:geodesicd:problem:%s", proto_problem_name(problem->code));
+    proto_write_object_begin(writer);
+    encode_text(writer, "type", type);
+    encode_text(writer, "title", title_of(problem->code));
+    proto_write_key(writer, "status");
+    proto_write_uint(writer, problem->status);
+    encode_text(writer, "detail", problem->detail);
+    encode_text(writer, "code", proto_problem_name(problem->code));
+    if (problem->has_pointer) encode_text(writer, "pointer", problem->pointer);
+    if (problem->parameter[0]) encode_text(writer, "parameter", problem->parameter);
+    if (problem->reason) encode_text(writer, "reason", problem->reason);
+    if (problem->has_limit) {
+        proto_write_key(writer, "limit");
+        proto_write_uint(writer, problem->limit);
+    }
+    if (problem->element_count) encode_elements(writer, problem);
+    proto_write_object_end(writer);
+}

@@ -1,0 +1,52 @@
+/* Route: the table of operations, generated from openapi.yaml (`generate.py routes`), and how a request finds its row.
+ *
+ * The generated source defines proto_routes and proto_route_count, and declares each row's handler as `void
+ * server_handle_<name>(struct server_exchange *)`, where <name> is the operation's x-handler or else its operationId:
+ * operations that are the GET and POST forms of one query share a handler. Rows with literal segments stand before rows
+ * that capture in the same place. */
+#ifndef PROTO_ROUTE_H
+#define PROTO_ROUTE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/problem.h"
+
+struct server_exchange; /* the server's own; only its address passes through here */
+
+enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO_METHOD_DELETE };
+
+#define PROTO_ROUTE_SEGMENTS 6
+#define PROTO_ROUTE_CAPTURES 2
+
+struct proto_route {
+    enum proto_method method;
+    bool has_body;          /* the operation takes a request body */
+    const char *operation;  /* operationId */
+    const char *path;       /* template, "/v1/meshes/{name}": a label for logs and metrics */
+    const char *query;      /* the query's name ("distance"), listed among the capabilities; NULL: no query */
+    uint32_t segment_count; /* "/" has none */
+    const char *segments[PROTO_ROUTE_SEGMENTS]; /* literal text, or NULL: captures */
+    void (*handle)(struct server_exchange *exchange);
+};
+
+extern const struct proto_route proto_routes[];
+extern const size_t proto_route_count;
+
+struct proto_route_match {
+    const struct proto_route *route;
+    uint32_t capture_count;
+    struct proto_capture {
+        const char *text; /* within the path that was given; not NUL-terminated, never empty */
+        size_t length;
+    } captures[PROTO_ROUTE_CAPTURES]; /* in the order of the path */
+};
+
+/* Finds the row of a request. `method` as in the request line; HEAD finds the row of GET. `path`: without query string,
+ * percent-decoded, borrowed by the captures. not_found; method_not_allowed with `allow` set. O(count) comparisons of
+ * short strings; thread-safe. */
+bool proto_route_find(const struct proto_route *routes, size_t count, const char *method, const char *path,
+                      struct proto_route_match *out, struct proto_problem *problem);
+
+#endif

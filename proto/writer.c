@@ -1,0 +1,263 @@
+#include "proto/writer.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/number.h"
+#include "proto/number.h"
+#include "proto/problem.h"
+#include "proto/utf8.h"
+
+#define FIRST_CAPACITY 1024
+
+/* --- the buffer
+ * --------------------------------------------------------------------------------------------------------- */
+
+void proto_writer_init(struct proto_writer *writer, size_t maximum)
+{
+    *writer = (struct proto_writer){.maximum = maximum};
+}
+
+void proto_writer_free(struct proto_writer *writer)
+{
+    free(writer->data);
+    proto_writer_init(writer, writer->maximum);
+}
+
+bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem)
+{
+    switch (writer->failure) {
+    case PROTO_WRITER_FINE:
+        return true;
+    case PROTO_WRITER_NO_MEMORY:
+        return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                                 "there is no memory for the answer; try again later");
+    case PROTO_WRITER_TOO_LARGE:
+        break;
+    }
+    proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                      "the answer is larger than %zu bytes; ask for less of it with fields or geometry",
+                      writer->maximum);
+    return proto_problem_limit(problem, writer->maximum);
+}
+
+char *proto_writer_take(struct proto_writer *writer, size_t *size)
+{
+    if (writer->failure != PROTO_WRITER_FINE || writer->size == 0) return NULL;
+    char *data = writer->data;
+    *size = writer->size;
+    proto_writer_init(writer, writer->maximum);
+    return data;
+}
+
+static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
+{
+    writer->failure = failure;
+    return false;
+}
+
+static bool grow(struct proto_writer *writer, size_t more)
+{
+    if (writer->failure != PROTO_WRITER_FINE) return false;
+    if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
+    size_t capacity = writer->capacity ? writer->capacity : FIRST_CAPACITY;
+    while (capacity < writer->size + more) capacity = capacity > writer->maximum / 2 ? writer->maximum : 2 * capacity;
+    if (capacity > writer->maximum) capacity = writer->maximum;
+    char *data = realloc(writer->data, capacity);
+    if (!data) return fail(writer, PROTO_WRITER_NO_MEMORY);
+    writer->data = data;
+    writer->capacity = capacity;
+    return true;
+}
+
+/* Room for `more` bytes at the end, or false for ever after. */
+static inline bool reserve(struct proto_writer *writer, size_t more)
+{
+    if (writer->failure == PROTO_WRITER_FINE && more <= writer->capacity - writer->size) return true;
+    return grow(writer, more);
+}
+
+void proto_append(struct proto_writer *writer, const char *text, size_t size)
+{
+    if (size == 0 || !reserve(writer, size)) return;
+    memcpy(writer->data + writer->size, text, size);
+    writer->size += size;
+}
+
+void proto_append_format(struct proto_writer *writer, const char *format, ...)
+{
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    int size = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    if (size > 0 && reserve(writer, (size_t)size + 1)) {
+        vsnprintf(writer->data + writer->size, (size_t)size + 1, format, again);
+        writer->size += (size_t)size;
+    }
+    va_end(again);
+}
+
+/* --- JSON
+ * --------------------------------------------------------------------------------------------------------------- */
+
+static void append_char(struct proto_writer *writer, char character)
+{
+    if (reserve(writer, 1)) writer->data[writer->size++] = character;
+}
+
+static void separate(struct proto_writer *writer)
+{
+    if (writer->comma) append_char(writer, ',');
+    writer->comma = true;
+}
+
+static void begin(struct proto_writer *writer, char bracket)
+{
+    separate(writer);
+    append_char(writer, bracket);
+    writer->comma = false;
+}
+
+static void end(struct proto_writer *writer, char bracket)
+{
+    append_char(writer, bracket);
+    writer->comma = true;
+}
+
+void proto_write_object_begin(struct proto_writer *writer)
+{
+    begin(writer, '{');
+}
+
+void proto_write_object_end(struct proto_writer *writer)
+{
+    end(writer, '}');
+}
+
+void proto_write_array_begin(struct proto_writer *writer)
+{
+    begin(writer, '[');
+}
+
+void proto_write_array_end(struct proto_writer *writer)
+{
+    end(writer, ']');
+}
+
+void proto_write_key(struct proto_writer *writer, const char *key)
+{
+    separate(writer);
+    append_char(writer, '"');
+    proto_append(writer, key, strlen(key));
+    proto_append(writer, "\":", 2);
+    writer->comma = false;
+}
+
+void proto_write_raw(struct proto_writer *writer, const char *json, size_t size)
+{
+    separate(writer);
+    proto_append(writer, json, size);
+}
+
+void proto_write_null(struct proto_writer *writer)
+{
+    proto_write_raw(writer, "null", 4);
+}
+
+void proto_write_bool(struct proto_writer *writer, bool value)
+{
+    proto_write_raw(writer, value ? "true" : "false", value ? 4 : 5);
+}
+
+/* --- strings
+ * ------------------------------------------------------------------------------------------------------------ */
+
+static void append_escape(struct proto_writer *writer, char character)
+{
+    static const char short_forms[] = "\"\"\\\\\bb\ff\nn\rr\tt"; /* the character, then its letter */
+    for (const char *form = short_forms; *form; form += 2) {
+        if (*form != character) continue;
+        proto_append(writer, (const char[]){'\\', form[1]}, 2);
+        return;
+    }
+    proto_append_format(writer, "\\u%04x", (unsigned char)character);
+}
+
+static bool needs_escape(char character)
+{
+    return (unsigned char)character < 0x20 || character == '"' || character == '\\';
+}
+
+/* Bytes from the start of `text` that can be written as they are. */
+static size_t plain_run(const char *text, size_t size)
+{
+    size_t run = 0;
+    while (run < size && !needs_escape(text[run])) {
+        size_t length = proto_utf8_length(text + run, size - run);
+        if (length == 0) break;
+        run += length;
+    }
+    return run;
+}
+
+void proto_write_string(struct proto_writer *writer, const char *text)
+{
+    if (!text) {
+        proto_write_null(writer);
+        return;
+    }
+    separate(writer);
+    append_char(writer, '"');
+    for (size_t left = strlen(text); left > 0;) {
+        size_t run = plain_run(text, left);
+        proto_append(writer, text, run);
+        text += run;
+        left -= run;
+        if (left == 0) break;
+        if (needs_escape(*text))
+            append_escape(writer, *text);
+        else
+            proto_append(writer, "\xef\xbf\xbd", 3);
+        text++;
+        left--;
+    }
+    append_char(writer, '"');
+}
+
+/* --- numbers
+ * ------------------------------------------------------------------------------------------------------------ */
+
+void proto_write_number(struct proto_writer *writer, double value)
+{
+    if (!isfinite(value)) {
+        proto_write_null(writer);
+        return;
+    }
+    char text[GD_NUMBER_SIZE];
+    proto_write_raw(writer, text, (size_t)(gd_number_format(text, value) - text));
+}
+
+void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count)
+{
+    proto_write_array_begin(writer);
+    for (size_t i = 0; i < count; i++) proto_write_number(writer, values[i]);
+    proto_write_array_end(writer);
+}
+
+void proto_write_uint(struct proto_writer *writer, uint64_t value)
+{
+    char text[PROTO_INTEGER_SIZE];
+    proto_write_raw(writer, text, proto_integer_print(value, text));
+}
+
+void proto_write_int(struct proto_writer *writer, int64_t value)
+{
+    char text[PROTO_INTEGER_SIZE + 1] = "-";
+    bool negative = value < 0;
+    size_t length = proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
+    proto_write_raw(writer, text, length + negative);
+}

@@ -1,0 +1,72 @@
+/* Writer: a bounded, growable text buffer that writes JSON as it goes.
+ *
+ *     struct proto_writer writer;
+ *     proto_writer_init(&writer, 64 << 20);
+ *     proto_write_object_begin(&writer);
+ *     proto_write_key(&writer, "distance");
+ *     proto_write_number(&writer, 0.25);
+ *     proto_write_object_end(&writer);
+ *     if (!proto_writer_check(&writer, problem)) …
+ *     proto_writer_free(&writer);
+ *
+ * Commas are the writer's business, matching begins with ends and keys with values the caller's. Failure is sticky:
+ * after the first one nothing more is written, so that it is checked once, at the end. One writer belongs to one thread
+ * at a time. */
+#ifndef PROTO_WRITER_H
+#define PROTO_WRITER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct proto_problem;
+
+enum proto_writer_failure { PROTO_WRITER_FINE, PROTO_WRITER_NO_MEMORY, PROTO_WRITER_TOO_LARGE };
+
+struct proto_writer {
+    char *data;      /* the text so far, not NUL-terminated; NULL while empty */
+    size_t size;     /* bytes of it */
+    size_t capacity; /* <= maximum */
+    size_t maximum;
+    enum proto_writer_failure failure;
+    bool comma; /* a value stands before: the next one needs a comma */
+};
+
+/* An empty writer that will hold at most `maximum` bytes. Allocates nothing. */
+void proto_writer_init(struct proto_writer *writer, size_t maximum);
+void proto_writer_free(struct proto_writer *writer); /* a second time is harmless */
+
+/* True, or false with insufficient_memory (out of memory, or over the maximum, which is the problem's limit then). */
+bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
+
+/* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL if the writer failed
+ * or is empty. */
+char *proto_writer_take(struct proto_writer *writer, size_t *size);
+
+void proto_write_object_begin(struct proto_writer *writer);
+void proto_write_object_end(struct proto_writer *writer);
+void proto_write_array_begin(struct proto_writer *writer);
+void proto_write_array_end(struct proto_writer *writer);
+
+/* `key` is written as it is: it holds nothing that needs escaping. */
+void proto_write_key(struct proto_writer *writer, const char *key);
+
+/* Escaped; bytes that are not UTF-8 become U+FFFD. NULL: null. */
+void proto_write_string(struct proto_writer *writer, const char *text);
+
+/* Shortest text that reads back as the same double; NaN and infinities: null. */
+void proto_write_number(struct proto_writer *writer, double value);
+void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count); /* an array of them */
+void proto_write_uint(struct proto_writer *writer, uint64_t value);
+void proto_write_int(struct proto_writer *writer, int64_t value);
+void proto_write_bool(struct proto_writer *writer, bool value);
+void proto_write_null(struct proto_writer *writer);
+
+/* A value that is JSON already. */
+void proto_write_raw(struct proto_writer *writer, const char *json, size_t size);
+
+/* Text of any kind (metrics, newlines between records): no commas, no escapes. */
+void proto_append(struct proto_writer *writer, const char *text, size_t size);
+void proto_append_format(struct proto_writer *writer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+#endif

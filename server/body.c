@@ -1,0 +1,112 @@
+/* See body.h. */
+#include "server/body.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/control.h"
+
+#define FIRST_CAPACITY 4096
+
+/* A client has this long for any body, and beyond it must have kept up this rate on average: an inactivity timer
+ * alone would let a client that sends a byte now and then hold its memory for ever. */
+#define GRACE_NS       UINT64_C(30000000000)
+#define BYTES_A_SECOND 4096
+
+static bool refuse_size(const struct server_body *body, struct proto_problem *problem)
+{
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE,
+                      "the request body is larger than the %llu bytes allowed here; send a smaller one",
+                      (unsigned long long)body->limit);
+    return proto_problem_limit(problem, body->limit);
+}
+
+static bool refuse_memory(struct server_budget *budget, uint64_t bytes, struct proto_problem *problem)
+{
+    return server_budget_refuse(budget, "the request body", (size_t)bytes, problem);
+}
+
+bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared, uint64_t limit,
+                         struct proto_problem *problem)
+{
+    body->declared = declared;
+    body->limit = limit;
+    body->started_ns = gd_now_ns();
+    if (declared == SERVER_BODY_CHUNKED) return true;
+    if (declared > limit) return refuse_size(body, problem);
+    if (declared > server_budget_available(budget)) return refuse_memory(budget, declared, problem);
+    return true;
+}
+
+/* Doubles, so that copying stays linear, but never past what was declared. Memory is held for what arrived, not
+ * for what was promised. */
+static size_t next_capacity(const struct server_body *body, size_t needed)
+{
+    size_t capacity = body->capacity ? 2 * body->capacity : FIRST_CAPACITY;
+    if (capacity < needed) capacity = needed;
+    if (body->declared >= needed && capacity > body->declared) capacity = (size_t)body->declared;
+    return capacity;
+}
+
+static bool grow(struct server_body *body, struct server_budget *budget, size_t needed)
+{
+    if (needed <= body->capacity) return true;
+    size_t capacity = next_capacity(body, needed), more = capacity - body->capacity;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, more)) return false;
+    char *bytes = realloc(body->bytes, capacity);
+    if (!bytes) {
+        server_budget_give(budget, SERVER_BUDGET_FLIGHT, more);
+        return false;
+    }
+    body->bytes = bytes;
+    body->capacity = capacity;
+    return true;
+}
+
+static bool is_too_slow(const struct server_body *body)
+{
+    uint64_t elapsed = gd_now_ns() - body->started_ns;
+    return elapsed > GRACE_NS && (double)body->size * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
+}
+
+static void fail(struct server_body *body, struct server_budget *budget, enum proto_problem_code failure)
+{
+    server_body_drop(body, budget);
+    body->failure = failure;
+}
+
+bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+{
+    if (is_too_slow(body)) return false;
+    if (body->failure) return true;
+    if (size > body->limit - body->size) {
+        fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
+    } else if (!grow(body, budget, body->size + size)) {
+        body->refused = body->size + size;
+        fail(body, budget, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+    } else {
+        memcpy(body->bytes + body->size, bytes, size);
+        body->size += size;
+    }
+    return true;
+}
+
+bool server_body_check(const struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
+{
+    switch (body->failure) {
+    case PROTO_PROBLEM_NONE:
+        return true;
+    case PROTO_PROBLEM_TOO_LARGE:
+        return refuse_size(body, problem);
+    default:
+        return refuse_memory(budget, body->refused, problem);
+    }
+}
+
+void server_body_drop(struct server_body *body, struct server_budget *budget)
+{
+    free(body->bytes);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, body->capacity);
+    body->bytes = NULL;
+    body->size = body->capacity = 0;
+}

@@ -1,0 +1,39 @@
+/* Body: the bytes of a request, collected under a limit and the byte budget. */
+#ifndef SERVER_BODY_H
+#define SERVER_BODY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "proto/problem.h"
+#include "server/budget.h"
+
+#define SERVER_BODY_CHUNKED UINT64_MAX
+
+struct server_body {
+    char *bytes;           /* NULL while empty */
+    size_t size, capacity; /* `capacity` bytes are taken from the budget (SERVER_BUDGET_FLIGHT) */
+    uint64_t declared;     /* Content-Length; 0: none; SERVER_BODY_CHUNKED: it will show */
+    uint64_t limit;        /* most bytes that the operation takes */
+    uint64_t started_ns;
+    size_t refused; /* bytes that the budget did not give */
+    enum proto_problem_code
+        failure; /* a limit was passed on the way: the rest is dropped, and the answer is given at its end */
+};
+
+/* Refuses a declared length that is over the limit or has no chance in the budget, before a byte was sent. */
+bool server_body_prepare(struct server_body *body, struct server_budget *budget, uint64_t declared, uint64_t limit,
+                         struct proto_problem *problem);
+
+/* Appends bytes. Passing the limit or the budget is remembered in `failure`. False: the client sends so slowly
+ * that it is to be dropped. */
+bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size);
+
+/* False with the problem that `failure` stands for. */
+bool server_body_check(const struct server_body *body, struct server_budget *budget, struct proto_problem *problem);
+
+/* Frees the bytes and gives them back to the budget. */
+void server_body_drop(struct server_body *body, struct server_budget *budget);
+
+#endif

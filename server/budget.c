@@ -1,0 +1,86 @@
+/* See budget.h. */
+#include "server/budget.h"
+
+#include <assert.h>
+
+void server_budget_init(struct server_budget *budget, size_t limit)
+{
+    *budget = (struct server_budget){.limit = limit};
+}
+
+static bool try_take(struct server_budget *budget, size_t bytes)
+{
+    size_t total = atomic_load_explicit(&budget->total, memory_order_relaxed);
+    do {
+        if (bytes > budget->limit || total > budget->limit - bytes) return false;
+    } while (!atomic_compare_exchange_weak(&budget->total, &total, total + bytes));
+    return true;
+}
+
+/* How many bytes stand in the way of `bytes` more. */
+static size_t shortage(struct server_budget *budget, size_t bytes)
+{
+    size_t total = atomic_load(&budget->total);
+    size_t left = total < budget->limit ? budget->limit - total : 0;
+    return bytes > left ? bytes - left : 0;
+}
+
+bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    if (!try_take(budget, bytes)) {
+        if (!budget->reclaim || bytes > server_budget_available(budget)) return false;
+        budget->reclaim(budget->reclaim_user, shortage(budget, bytes));
+        if (!try_take(budget, bytes)) return false;
+    }
+    atomic_fetch_add(&budget->used[class], bytes);
+    return true;
+}
+
+void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    size_t before = atomic_fetch_sub(&budget->used[class], bytes);
+    assert(before >= bytes);
+    (void)before;
+    atomic_fetch_sub(&budget->total, bytes);
+}
+
+void server_budget_move(struct server_budget *budget, enum server_budget_class from, enum server_budget_class to,
+                        size_t bytes)
+{
+    atomic_fetch_add(&budget->used[to], bytes);
+    atomic_fetch_sub(&budget->used[from], bytes);
+}
+
+size_t server_budget_available(struct server_budget *budget)
+{
+    size_t held = atomic_load(&budget->used[SERVER_BUDGET_MESHES]) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]);
+    return held < budget->limit ? budget->limit - held : 0;
+}
+
+void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual)
+{
+    if (actual <= held) {
+        server_budget_give(budget, class, held - actual);
+    } else {
+        atomic_fetch_add(&budget->total, actual - held);
+        atomic_fetch_add(&budget->used[class], actual - held);
+    }
+}
+
+bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes, struct proto_problem *problem)
+{
+    size_t available = server_budget_available(budget);
+    if (bytes)
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget can be had; delete "
+                          "meshes, or raise "
+                          "--memory-budget",
+                          what, bytes, available, budget->limit);
+    else
+        proto_problem_set(
+            problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+            "%s needs more than the %zu of the %zu bytes of the memory budget that can be had; delete meshes, or raise "
+            "--memory-budget",
+            what, available, budget->limit);
+    return proto_problem_limit(problem, budget->limit);
+}

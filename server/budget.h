@@ -1,0 +1,54 @@
+/* Budget: the bytes that meshes, fields and work in flight may hold together.
+ *
+ *     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) -> 507
+ *     ...
+ *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
+ *
+ * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit first asks the reclaimer
+ * (the field cache) to let go of enough, then tries again. The reclaimer takes the cache's lock: so no lock at or
+ * below the cache's may be held around a take; a give never calls out and is allowed anywhere. All functions are
+ * thread-safe. */
+#ifndef SERVER_BUDGET_H
+#define SERVER_BUDGET_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "proto/problem.h"
+
+enum server_budget_class { SERVER_BUDGET_MESHES, SERVER_BUDGET_FIELDS, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_CLASSES };
+
+struct server_budget {
+    size_t limit;
+    atomic_size_t total;
+    atomic_size_t used[SERVER_BUDGET_CLASSES];
+    void (*reclaim)(void *user,
+                    size_t bytes); /* lets go of at least `bytes` if it can; NULL: nothing can be reclaimed */
+    void *reclaim_user;
+};
+
+void server_budget_init(struct server_budget *budget, size_t limit);
+
+/* Counts `bytes` to the class; false, with nothing counted, when the limit would be passed even after reclaiming. */
+bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
+
+/* Gives back what was taken. */
+void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes);
+
+/* Moves bytes that are taken already from one class to another. */
+void server_budget_move(struct server_budget *budget, enum server_budget_class from, enum server_budget_class to,
+                        size_t bytes);
+
+/* Corrects a class that counts `held` bytes for what turned out to hold `actual` ones. More are counted even past
+ * the limit, since they are there: later takes make up for it. */
+void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual);
+
+/* What is left if every field were evicted: an upper bound of what a take can get at this moment. */
+size_t server_budget_available(struct server_budget *budget);
+
+/* The problem of `what` ("the mesh") that needs `bytes` (0: more than can be had, not known how many) and can't
+ * have them. False. */
+bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes, struct proto_problem *problem);
+
+#endif

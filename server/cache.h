@@ -1,0 +1,101 @@
+/* Cache: fields in memory under the byte budget, each built once however many ask for it at the same time.
+ *
+ *     const struct server_cached *hit = server_cache_find(shelf, &source);      first lane: a pinned field, or NULL
+ *     ...
+ *     switch (server_cache_enter(shelf, &source, hit, job, &flight)) {          second lane
+ *     case SERVER_CACHE_BUILD: build; hit = server_cache_land(flight, field); ...
+ *     case SERVER_CACHE_WAIT:  the job is parked: return, it will be resumed
+ *     case SERVER_CACHE_AGAIN: something newer than `hit` is there: look again
+ *     }
+ *     server_cache_unpin(hit);
+ *
+ * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns. A field that is being built is
+ * a *flight*: it has one builder and a list of parked jobs that wait for it. When it lands, the field stands on
+ * the shelf (in the place of an older field of the same source, if there was one) and the parked jobs are resumed
+ * to look again.
+ *
+ * Ownership: an entry is counted, one for the shelf and one for each pin. Its bytes stay in the budget until the
+ * last pin goes. A shelf is counted too: its surface, its entries, its flights. A closed shelf keeps nothing: what
+ * lands on it lives as long as its pins.
+ *
+ * Eviction: GreedyDual-Size-Frequency (Cherkasova 1998). Priority = age + build time x uses / bytes, age = priority
+ * of the last evicted, so that what was dear but is no longer used goes too. The order is refreshed lazily, since
+ * priorities only grow. Pinned entries stay.
+ *
+ * Locks: one mutex guards shelves, entries, their order and flights. Under it nothing calls out: budget gives are
+ * atomic, jobs are resumed or refused and fields freed after it is released. The budget's reclaim takes it: so
+ * nothing is taken from the budget under it. */
+#ifndef SERVER_CACHE_H
+#define SERVER_CACHE_H
+
+#include "gd/field.h"
+#include "server/budget.h"
+#include "server/workers.h"
+
+struct server_cache;
+struct server_shelf;
+struct server_flight;
+
+/* A pinned field: valid until server_cache_unpin. */
+struct server_cached {
+    struct gd_field *field;
+};
+
+/* `budget` becomes the cache's to reclaim from; `workers` resume parked jobs. Both are borrowed and outlive the
+ * cache. NULL: no memory. */
+struct server_cache *server_cache_create(struct server_budget *budget, struct server_workers *workers);
+
+/* All shelves are closed and all pins gone by then. NULL is harmless. */
+void server_cache_destroy(struct server_cache *cache);
+
+/* An empty shelf with one reference, the caller's, or NULL without memory. */
+struct server_shelf *server_shelf_open(struct server_cache *cache);
+
+/* Ends the shelf's fields: pins stay valid, nothing finds any more, flights land without being kept. A second time
+ * is harmless. */
+void server_shelf_close(struct server_shelf *shelf);
+void server_shelf_release(struct server_shelf *shelf);
+
+/* Fields on the shelf. */
+uint32_t server_shelf_count(struct server_shelf *shelf);
+
+/* The field with this source, pinned and counted as used, or NULL. Tens of nanoseconds. */
+const struct server_cached *server_cache_find(struct server_shelf *shelf, const struct gd_point *source);
+void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless */
+
+enum server_cache_turn { SERVER_CACHE_BUILD, SERVER_CACHE_WAIT, SERVER_CACHE_AGAIN, SERVER_CACHE_NO_MEMORY };
+
+/* Asks for a field better than `seen` (what server_cache_find gave, NULL included). BUILD: `*flight` is the
+ * caller's to land. WAIT: `job` is parked until the flight lands, its deadline passes, or the cache refuses it.
+ * AGAIN: the shelf has another field than `seen` by now. */
+enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const struct gd_point *source,
+                                          const struct server_cached *seen, struct server_job *job,
+                                          struct server_flight **flight);
+
+/* Parks a job as a WAIT does if there is a flight of that source; false: there is none. */
+bool server_cache_join(struct server_shelf *shelf, const struct gd_point *source, struct server_job *job);
+
+/* True when other jobs wait for the flight: its builder goes on even if its own client went away. */
+bool server_cache_is_awaited(struct server_flight *flight);
+
+/* Ends a flight with its field, whose reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT pass to the
+ * cache; returns it pinned. On NO_MEMORY (NULL is returned) field and bytes are gone. The flight is freed, the
+ * parked jobs are resumed. */
+const struct server_cached *server_cache_land(struct server_flight *flight, struct gd_field *field);
+
+/* Ends a flight whose builder gave up (its deadline, its client): the parked jobs are resumed, and one of them
+ * becomes the next builder. */
+void server_cache_abandon(struct server_flight *flight);
+
+/* Ends a flight that would fail for anybody: the parked jobs are refused. */
+void server_cache_fail(struct server_flight *flight, enum server_refusal why);
+
+/* Refuses the parked jobs whose deadline has passed. */
+void server_cache_expire(struct server_cache *cache, uint64_t now_ns);
+
+struct server_cache_statistics {
+    uint64_t hits, misses, builds, waits, evictions, fields;
+};
+struct server_cache_statistics server_cache_statistics(struct server_cache *cache);
+
+#endif

@@ -1,0 +1,42 @@
+/* Config: what the operator decides. One table drives flags, environment, file, --help and validation. */
+#ifndef SERVER_CONFIG_H
+#define SERVER_CONFIG_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include "server/address.h"
+#include "server/log.h"
+
+#define SERVER_CONFIG_HOSTS 16
+#define SERVER_CONFIG_HOST  128
+
+struct server_config {
+    struct server_address listen;
+    struct {
+        char name[SERVER_CONFIG_HOSTS][SERVER_CONFIG_HOST];
+        uint32_t count;
+    } allowed_hosts;        /* besides localhost and loopback addresses */
+    uint64_t workers;       /* threads that parse, build and propagate */
+    uint64_t http_threads;  /* threads that speak HTTP */
+    uint64_t queue_length;  /* requests that may wait for a worker */
+    uint64_t memory_budget; /* bytes */
+    uint64_t max_body;      /* bytes */
+    uint64_t max_faces;     /* triangles */
+    uint64_t timeout_ms;    /* most time that a request may take */
+    uint64_t drain_ms;      /* most time that a shutdown waits for requests */
+    enum server_log_level log_level;
+};
+
+enum server_config_outcome {
+    SERVER_CONFIG_RUN,  /* go on */
+    SERVER_CONFIG_DONE, /* --help or --version was printed to `out` */
+    SERVER_CONFIG_WRONG /* a sentence was printed to `error` */
+};
+
+/* Fills `*config` from the defaults, the file that --config or GEODESICD_CONFIG names, GEODESICD_* in the
+ * environment and the flags, each over those before it (--allowed-host adds up), then validates the whole. */
+enum server_config_outcome server_config_load(struct server_config *config, int argc, char *const argv[], FILE *out,
+                                              FILE *error);
+
+#endif

@@ -1,0 +1,136 @@
+/* Exchange: one request and its answer, as handlers see them. No HTTP library shows here.
+ *
+ * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the handler
+ * deferred it, the queue, a worker or a flight of the cache, then the HTTP thread again. The hand-over is the
+ * workers' lock one way and transport->finish the other: who has submitted, parked or finished an exchange does
+ * not touch it any more. States: reading -> ready -> answered, or deferred -> answered. Answered means
+ * response.status is set (reply.h).
+ *
+ * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
+ * server_exchange_defer. */
+#ifndef SERVER_EXCHANGE_H
+#define SERVER_EXCHANGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "gd/control.h"
+#include "proto/options.h"
+#include "proto/route.h"
+#include "server/body.h"
+#include "server/workers.h"
+
+#define SERVER_EXCHANGE_HEADERS    64
+#define SERVER_EXCHANGE_PARAMETERS 32
+#define SERVER_RESPONSE_HEADERS    12
+#define SERVER_HEADER_VALUE        256
+#define SERVER_REQUEST_ID          65
+
+struct server;
+struct server_exchange;
+struct server_flight;
+
+struct server_pair { /* of strings that the transport or the exchange owns */
+    const char *name, *value;
+};
+
+struct server_response {
+    unsigned status; /* 0: not answered yet */
+    const char *media_type;
+    const char *code; /* of a problem, for the log; NULL: none */
+    const void *body;
+    void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
+    size_t size;
+    struct {
+        const char *name;
+        char value[SERVER_HEADER_VALUE];
+    } headers[SERVER_RESPONSE_HEADERS];
+    uint32_t header_count;
+    bool close; /* the connection ends with this answer */
+};
+
+/* What carries the exchange. */
+struct server_transport {
+    void (*finish)(struct server_exchange *exchange); /* a deferred exchange is answered: it is the transport's again */
+    bool (*is_gone)(struct server_exchange *exchange); /* the client of a deferred exchange hung up; a system call */
+};
+
+struct server_exchange {
+    struct server *server;
+    const struct server_transport *transport;
+    struct server_job job;
+
+    const char *method; /* as in the request line */
+    bool is_http10;
+    char *path;  /* percent-decoded; never NULL */
+    char *query; /* decoded in place: storage of the parameters */
+    struct server_pair parameters[SERVER_EXCHANGE_PARAMETERS];
+    uint32_t parameter_count;
+    struct server_pair headers[SERVER_EXCHANGE_HEADERS];
+    uint32_t header_count;
+    const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
+    struct proto_route_match match; /* route NULL: none found */
+    char request_id[SERVER_REQUEST_ID];
+    struct server_body body;
+
+    uint64_t started_ns, deadline_ns;
+    bool (*work)(struct server_exchange *exchange); /* see server_exchange_defer; NULL: not deferred */
+    bool (*join)(struct server_exchange *exchange);
+    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
+    void *state; /* the handler's own, kept over a deferral */
+    void (*free_state)(void *state);
+
+    struct server_response response;
+};
+
+/* --- for the transport (http.c) and the router -------------------------------------------------------------------- */
+
+/* An exchange of a raw target ("/v1/meshes?limit=3"), or NULL without memory. A target that can't be read is a
+ * fault of the request. */
+struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
+                                               const char *target);
+void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
+
+/* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of the request. */
+void server_exchange_add_header(struct server_exchange *exchange, const char *name, const char *value);
+
+/* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers it with
+ * overloaded. */
+void server_exchange_submit(struct server_exchange *exchange);
+
+/* --- for handlers ------------------------------------------------------------------------------------------------- */
+
+/* Value of the first header of that name, any case; NULL: none. */
+const char *server_exchange_header(const struct server_exchange *exchange, const char *name);
+uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name);
+
+/* View of the query string for proto's decoders; lives as long as the exchange. */
+struct proto_parameters server_exchange_parameters(struct server_exchange *exchange);
+
+bool server_exchange_is(const struct server_exchange *exchange, const char *method);
+
+/* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
+void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
+
+/* Gives the exchange a state of the handler's own, freed with it. */
+void server_exchange_keep(struct server_exchange *exchange, void *state, void (*free_state)(void *state));
+
+/* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or deferred again,
+ * false when the exchange is no longer its own: parked in a flight of the cache, which will have `work` called
+ * again. `join` (may be NULL) is tried first, without a worker: true when it has parked the exchange in a flight
+ * that is under way, so that those who wait for one answer don't fill the queue. */
+void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
+                           bool (*join)(struct server_exchange *exchange));
+
+/* Control of a long call on behalf of the exchange: its deadline, `budget_bytes`, the daemon's drain, and the
+ * client's hanging up unless others wait for `flight` (may be NULL). */
+struct server_monitor {
+    struct server_exchange *exchange;
+    struct server_flight *flight;
+    uint64_t looked_ns; /* when the client was last looked at */
+    bool is_gone;
+};
+struct gd_control server_exchange_control(struct server_monitor *monitor, size_t budget_bytes);
+
+#endif

@@ -1,0 +1,33 @@
+/* Handlers: one function an operation of proto/openapi.yaml; the generated route table points to them. Each is
+ * called by an HTTP thread with a whole request, and ends with a reply or with server_exchange_defer (exchange.h). */
+#ifndef SERVER_HANDLERS_H
+#define SERVER_HANDLERS_H
+
+#include "server/exchange.h"
+
+/* service.c */
+void server_handle_get_viewer(struct server_exchange *exchange);
+void server_handle_get_openapi(struct server_exchange *exchange);
+void server_handle_get_livez(struct server_exchange *exchange);
+void server_handle_get_readyz(struct server_exchange *exchange);
+void server_handle_get_metrics(struct server_exchange *exchange);
+void server_handle_get_service(struct server_exchange *exchange);
+
+/* upload.c */
+void server_handle_create_mesh(struct server_exchange *exchange);
+void server_handle_put_mesh(struct server_exchange *exchange);
+
+/* meshes.c */
+void server_handle_list_meshes(struct server_exchange *exchange);
+void server_handle_get_mesh(struct server_exchange *exchange);
+void server_handle_delete_mesh(struct server_exchange *exchange);
+void server_handle_get_mesh_content(struct server_exchange *exchange);
+
+/* pair.c */
+void server_handle_distance(struct server_exchange *exchange);
+void server_handle_path(struct server_exchange *exchange);
+
+/* nearest.c */
+void server_handle_nearest(struct server_exchange *exchange);
+
+#endif

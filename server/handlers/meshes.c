@@ -1,0 +1,147 @@
+/* Meshes: list, describe, remove, send back. */
+#include "server/handlers/handlers.h"
+
+#include <stdlib.h>
+
+#include "gd/io.h"
+#include "proto/page.h"
+#include "server/handlers/description.h"
+#include "server/handlers/request.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+/* --- list --------------------------------------------------------------------------------------------------------- */
+
+static void write_page(struct proto_writer *writer, struct server_surface **surfaces, uint32_t count, uint32_t limit)
+{
+    uint32_t listed = count < limit ? count : limit;
+    proto_mesh_list_begin(writer);
+    for (uint32_t i = 0; i < listed; i++) server_description_write(writer, surfaces[i]);
+    proto_mesh_list_end(writer, count > limit ? surfaces[limit - 1]->origin.name : NULL);
+}
+
+void server_handle_list_meshes(struct server_exchange *exchange)
+{
+    struct server_store *store = exchange->server->store;
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    struct proto_page page;
+    struct proto_writer writer;
+    struct server_surface *surfaces[PROTO_PAGE_MOST + 1];
+    if (!server_reply_accepts_json(exchange)) return;
+    if (!proto_page_parse(&parameters, &page, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    uint32_t count =
+        store->list(store, page.after, page.limit + 1, surfaces); /* one more tells whether there is a next page */
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    write_page(&writer, surfaces, count, page.limit);
+    for (uint32_t i = 0; i < count; i++) server_surface_release(surfaces[i]);
+    server_reply_json(exchange, 200, &writer);
+}
+
+/* --- describe, remove --------------------------------------------------------------------------------------------- */
+
+void server_handle_get_mesh(struct server_exchange *exchange)
+{
+    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    server_description_reply(exchange, 200, surface);
+    server_surface_release(surface);
+}
+
+void server_handle_delete_mesh(struct server_exchange *exchange)
+{
+    struct server_store *store = exchange->server->store;
+    const struct server_precondition precondition = server_request_precondition(exchange);
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_request_is_plain(exchange) || !server_request_name(exchange, name)) return;
+    enum server_store_outcome outcome = store->remove(store, name, &precondition);
+    if (outcome == SERVER_STORE_REMOVED)
+        server_reply_empty(exchange, 204);
+    else
+        server_request_fail(exchange, outcome);
+}
+
+/* --- send back ---------------------------------------------------------------------------------------------------- */
+
+/* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an index 11. */
+static size_t content_cost(const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    return (size_t)summary->index_count * (24 + 2 * 80) + (size_t)summary->faces * (16 + 2 * 40) + 4096;
+}
+
+struct content {
+    struct server_surface *surface;
+    enum gd_format format;
+};
+
+static void free_content(void *state)
+{
+    struct content *content = state;
+    server_surface_release(content->surface);
+    free(content);
+}
+
+static enum gd_status write_content(const struct content *content, char **bytes, size_t *size)
+{
+    struct gd_polygons polygons;
+    enum gd_status status = gd_mesh_polygons(content->surface->mesh, &polygons);
+    if (status) return status;
+    status = gd_write_polygons(&polygons, content->format, bytes, size);
+    gd_polygons_free(&polygons);
+    return status;
+}
+
+static bool send_content(struct server_exchange *exchange)
+{
+    const struct content *content = exchange->state;
+    struct server_budget *budget = &exchange->server->budget;
+    size_t cost = content_cost(content->surface->mesh), size;
+    struct proto_problem problem;
+    char *bytes;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
+        server_budget_refuse(budget, "the file", cost, &problem);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    exchange->held = cost;
+    enum gd_status status = write_content(content, &bytes, &size);
+    if (status) {
+        proto_problem_from_status(&problem, status, NULL);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
+    exchange->held = size;
+    server_description_tag(exchange, content->surface);
+    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                        content->surface->origin.name, gd_format_name(content->format));
+    server_reply_bytes(exchange, 200, gd_format_media_type(content->format), bytes, size);
+    return true;
+}
+
+void server_handle_get_mesh_content(struct server_exchange *exchange)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    enum gd_format format;
+    if (!proto_mesh_content_format(&parameters, server_exchange_header(exchange, "Accept"), &format, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    struct content *content = malloc(sizeof *content);
+    if (!content) {
+        server_surface_release(surface);
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        return;
+    }
+    *content = (struct content){surface, format};
+    server_exchange_keep(exchange, content, free_content);
+    server_exchange_defer(exchange, send_content, NULL);
+}

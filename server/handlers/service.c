@@ -1,0 +1,75 @@
+/* What the daemon says about itself, and its static pages. */
+#include "server/handlers/handlers.h"
+
+#include "proto/service.h"
+#include "server/handlers/request.h"
+#include "server/reply.h"
+#include "server/server.h"
+#include "server/version.h"
+
+static void reply_asset(struct server_exchange *exchange, const char *path)
+{
+    const struct proto_asset *asset = proto_asset_find(proto_assets, proto_asset_count, path);
+    if (asset)
+        server_reply_asset(exchange, asset);
+    else
+        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND, "this build of the program holds no %s", path);
+}
+
+void server_handle_get_viewer(struct server_exchange *exchange)
+{
+    reply_asset(exchange, "/");
+}
+
+void server_handle_get_openapi(struct server_exchange *exchange)
+{
+    reply_asset(exchange, "/openapi.json");
+}
+
+static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health)
+{
+    struct proto_writer writer;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_health_encode(&writer, health);
+    server_reply_json(exchange, status, &writer);
+}
+
+void server_handle_get_livez(struct server_exchange *exchange)
+{
+    reply_health(exchange, 200, PROTO_HEALTH_OK);
+}
+
+void server_handle_get_readyz(struct server_exchange *exchange)
+{
+    bool draining = atomic_load(&exchange->server->draining);
+    if (draining) server_reply_header(exchange, "Retry-After", "1");
+    reply_health(exchange, draining ? 503 : 200, draining ? PROTO_HEALTH_DRAINING : PROTO_HEALTH_OK);
+}
+
+void server_handle_get_metrics(struct server_exchange *exchange)
+{
+    struct proto_writer writer;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    server_metrics_write(exchange->server->metrics, exchange->server, &writer);
+    server_reply_text(exchange, 200, "text/plain; version=0.0.4; charset=utf-8", &writer);
+}
+
+void server_handle_get_service(struct server_exchange *exchange)
+{
+    const struct server_config *config = &exchange->server->config;
+    const struct proto_service service = {
+        .version = SERVER_VERSION,
+        .limits = {.max_body_bytes = config->max_body,
+                   .max_faces = config->max_faces,
+                   .timeout_ms = config->timeout_ms,
+                   .memory_budget_bytes = config->memory_budget,
+                   .workers = config->workers},
+        .routes = proto_routes,
+        .route_count = proto_route_count,
+    };
+    struct proto_writer writer;
+    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_service_encode(&writer, &service);
+    server_reply_json(exchange, 200, &writer);
+}

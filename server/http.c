@@ -1,0 +1,263 @@
+/* See http.h. The only file that includes microhttpd.h.
+ *
+ * DESIGN. A call is one request on one connection, made when its request line has been read and destroyed when the
+ * library says that it is over.
+ *     HEAD    the library shows the headers: the router begins
+ *     BODY    the library brings the body, piece by piece; then the router ends
+ *     PARKED  the connection is suspended, a worker has the exchange; its transport's finish resumes the
+ *             connection, and then the answer is queued
+ *     DONE    the answer is with the library
+ * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must not be stopped
+ * while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone, and the server waits for all
+ * deferred exchanges before it stops. It can answer during an upload only in the first call, before any byte of
+ * the body: what is found out later is answered after it. */
+#include "server/http.h"
+
+#include <microhttpd.h>
+#include <poll.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "server/log.h"
+#include "server/reply.h"
+#include "server/router.h"
+#include "server/server.h"
+
+#define CONNECTION_MEMORY  (128 * 1024) /* headers, and the buffer that bodies pass through */
+#define CONNECTION_TIMEOUT 30u          /* seconds without a byte */
+#define CONNECTIONS_MOST   8192u
+#define SPARE_DESCRIPTORS  64u
+
+enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
+
+struct call {
+    struct server_transport transport; /* first: an exchange finds its call by it */
+    struct server_exchange *exchange;
+    struct MHD_Connection *connection;
+    struct server_http *http;
+    enum phase phase; /* written by the connection's HTTP thread only */
+};
+
+struct server_http {
+    struct server *server;
+    struct MHD_Daemon *daemon;
+    atomic_uint active;
+};
+
+/* --- the transport ------------------------------------------------------------------------------------------------ */
+
+static struct call *call_of(struct server_exchange *exchange)
+{
+    return (struct call *)exchange->transport;
+}
+
+static void finish(struct server_exchange *exchange)
+{
+    MHD_resume_connection(call_of(exchange)->connection);
+}
+
+/* A client that has closed its side has gone: nobody who waits for an answer does that. */
+static bool is_gone(struct server_exchange *exchange)
+{
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(call_of(exchange)->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (!info) return true;
+    struct pollfd state = {.fd = info->connect_fd, .events = POLLRDHUP};
+    return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
+}
+
+/* --- from the library to the exchange ----------------------------------------------------------------------------- */
+
+/* The raw target, before the library takes it apart; what this returns comes back as `*context`. */
+static void *on_target(void *user, const char *target, struct MHD_Connection *connection)
+{
+    struct server_http *http = user;
+    struct call *call = malloc(sizeof *call);
+    if (!call) return NULL;
+    *call = (struct call){.transport = {.finish = finish, .is_gone = is_gone}, .connection = connection, .http = http};
+    call->exchange = server_exchange_create(http->server, &call->transport, target);
+    if (!call->exchange) {
+        free(call);
+        return NULL;
+    }
+    atomic_fetch_add(&http->active, 1);
+    return call;
+}
+
+static void on_completed(void *user, struct MHD_Connection *connection, void **context,
+                         enum MHD_RequestTerminationCode why)
+{
+    struct server_http *http = user;
+    struct call *call = *context;
+    (void)connection, (void)why;
+    if (!call) return;
+    server_exchange_destroy(call->exchange);
+    free(call);
+    *context = NULL;
+    atomic_fetch_sub(&http->active, 1);
+}
+
+static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
+{
+    (void)kind;
+    server_exchange_add_header(user, name, value);
+    return MHD_YES;
+}
+
+/* --- from the exchange to the library ----------------------------------------------------------------------------- */
+
+static struct MHD_Response *make_response(struct server_response *reply)
+{
+    struct MHD_Response *response =
+        reply->owned ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
+                     : MHD_create_response_from_buffer(reply->size, (void *)reply->body, MHD_RESPMEM_PERSISTENT);
+    if (!response) return NULL;
+    reply->owned = NULL; /* the library's now */
+    for (uint32_t i = 0; i < reply->header_count; i++)
+        MHD_add_response_header(response, reply->headers[i].name, reply->headers[i].value);
+    if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
+    return response;
+}
+
+static void log_request(const struct server_exchange *exchange, uint64_t nanoseconds)
+{
+    const struct server_response *response = &exchange->response;
+    struct server_log_line line;
+    if (!server_log_begin(&line, response->status == 500 ? SERVER_LOG_ERROR : SERVER_LOG_INFO, "request")) return;
+    server_log_text(&line, "method", exchange->method);
+    server_log_text(&line, "path", exchange->path);
+    server_log_text(&line, "route", exchange->match.route ? exchange->match.route->path : NULL);
+    server_log_integer(&line, "status", response->status);
+    server_log_text(&line, "code", response->code);
+    server_log_integer(&line, "bytes", (int64_t)response->size);
+    server_log_milliseconds(&line, "ms", nanoseconds);
+    server_log_text(&line, "lane", exchange->work ? "worker" : "inline");
+    server_log_text(&line, "request_id", exchange->request_id);
+    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
+    server_log_end(&line);
+}
+
+static enum MHD_Result answer(struct call *call)
+{
+    struct server_exchange *exchange = call->exchange;
+    uint64_t nanoseconds = gd_now_ns() - exchange->started_ns;
+    call->phase = PHASE_DONE;
+    struct MHD_Response *response = make_response(&exchange->response);
+    if (!response) return MHD_NO;
+    server_metrics_count(exchange->server->metrics, exchange->match.route, exchange->response.status, nanoseconds);
+    log_request(exchange, nanoseconds);
+    enum MHD_Result result = MHD_queue_response(call->connection, exchange->response.status, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+/* --- the phases --------------------------------------------------------------------------------------------------- */
+
+static enum MHD_Result begin(struct call *call, const char *method, const char *version)
+{
+    struct server_exchange *exchange = call->exchange;
+    exchange->method = method;
+    exchange->is_http10 = strcmp(version, MHD_HTTP_VERSION_1_0) == 0;
+    call->phase = PHASE_BODY;
+    MHD_get_connection_values(call->connection, MHD_HEADER_KIND, on_header, exchange);
+    server_router_begin(exchange);
+    if (!exchange->response.close) return MHD_YES;
+    server_router_end(exchange);
+    return answer(call);
+}
+
+static enum MHD_Result end(struct call *call)
+{
+    server_router_end(call->exchange);
+    if (call->exchange->response.status) return answer(call);
+    call->phase = PHASE_PARKED;
+    MHD_suspend_connection(call->connection);
+    server_exchange_submit(call->exchange); /* from here on it is another thread's */
+    return MHD_YES;
+}
+
+static enum MHD_Result on_request(void *user, struct MHD_Connection *connection, const char *url, const char *method,
+                                  const char *version, const char *upload, size_t *upload_size, void **context)
+{
+    (void)user, (void)connection, (void)url;
+    struct call *call = *context;
+    if (!call) return MHD_NO; /* no memory for one */
+    switch (call->phase) {
+    case PHASE_HEAD:
+        return begin(call, method, version);
+    case PHASE_BODY:
+        if (!*upload_size) return end(call);
+        if (!server_body_append(&call->exchange->body, &call->http->server->budget, upload, *upload_size))
+            return MHD_NO;
+        *upload_size = 0;
+        return MHD_YES;
+    case PHASE_PARKED:
+        return answer(call);
+    case PHASE_DONE:
+        break;
+    }
+    return MHD_YES;
+}
+
+/* --- life --------------------------------------------------------------------------------------------------------- */
+
+/* As many connections as descriptors allow, up to a limit that bounds their memory. */
+static unsigned connection_limit(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= CONNECTIONS_MOST + SPARE_DESCRIPTORS)
+        return CONNECTIONS_MOST;
+    return limit.rlim_cur > 2 * SPARE_DESCRIPTORS ? (unsigned)limit.rlim_cur - SPARE_DESCRIPTORS : SPARE_DESCRIPTORS;
+}
+
+static void on_library_log(void *user, const char *format, va_list arguments)
+{
+    char sentence[512];
+    (void)user;
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    sentence[strcspn(sentence, "\n")] = '\0';
+    server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
+}
+
+struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
+                                      size_t error_size)
+{
+    struct server_http *http = calloc(1, sizeof *http);
+    if (http) {
+        http->server = server;
+        unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+        http->daemon = MHD_start_daemon(
+            flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
+            MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u,
+            MHD_OPTION_CONNECTION_LIMIT, connection_limit(), MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+            (size_t)CONNECTION_MEMORY, MHD_OPTION_CONNECTION_TIMEOUT, CONNECTION_TIMEOUT, MHD_OPTION_URI_LOG_CALLBACK,
+            on_target, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_END);
+    }
+    if (http && http->daemon) return http;
+    snprintf(error, error_size, "the HTTP library could not be started");
+    free(http);
+    close(listening);
+    return NULL;
+}
+
+void server_http_quiesce(struct server_http *http)
+{
+    MHD_socket listening = MHD_quiesce_daemon(http->daemon);
+    if (listening != MHD_INVALID_SOCKET) close(listening);
+}
+
+uint32_t server_http_active(struct server_http *http)
+{
+    return atomic_load(&http->active);
+}
+
+void server_http_stop(struct server_http *http)
+{
+    if (!http) return;
+    MHD_stop_daemon(http->daemon);
+    free(http);
+}

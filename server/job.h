@@ -1,0 +1,30 @@
+/* Job: a piece of work for the second lane, and lists of jobs.
+ *
+ * A job has one owner at a time: its maker, the workers' queue, the thread that runs it, or a flight of the cache that
+ * it was parked in; `next` belongs to that owner. It ends in one call of `run` that does not park it, or of `refuse`. */
+#ifndef SERVER_JOB_H
+#define SERVER_JOB_H
+
+#include <stdint.h>
+
+enum server_refusal {
+    SERVER_REFUSAL_DEADLINE,
+    SERVER_REFUSAL_DRAINING,
+    SERVER_REFUSAL_MEMORY,
+    SERVER_REFUSAL_INTERNAL
+};
+
+struct server_job {
+    struct server_job *next;
+    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
+    void (*run)(struct server_job *job);
+    void (*refuse)(struct server_job *job, enum server_refusal why);
+};
+
+/* Takes the jobs with a deadline of at most `now_ns` out of a list and returns them as another. */
+struct server_job *server_jobs_expire(struct server_job **list, uint64_t now_ns);
+
+/* Refuses each job of a list. To be called without any lock: what refuses may take them. */
+void server_jobs_refuse(struct server_job *list, enum server_refusal why);
+
+#endif

@@ -1,0 +1,30 @@
+/* Metrics: counters of requests, and the text that Prometheus reads.
+ *
+ * Counters are sharded: a thread counts in a shard of its own (up to SHARDS threads) with relaxed atomics, so that
+ * HTTP threads don't share cache lines; reading adds the shards up. */
+#ifndef SERVER_METRICS_H
+#define SERVER_METRICS_H
+
+#include <stdint.h>
+
+#include "proto/route.h"
+#include "proto/writer.h"
+
+struct server;
+struct server_metrics;
+
+/* For the generated route table. NULL without memory. */
+struct server_metrics *server_metrics_create(const struct proto_route *routes, size_t route_count);
+void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless */
+
+/* Counts an answered request. `route`: a row of the table, or NULL when none was found. */
+void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route, unsigned status,
+                          uint64_t nanoseconds);
+
+/* Counts a failed self-check. */
+void server_metrics_count_failed_check(struct server_metrics *metrics);
+
+/* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */
+void server_metrics_write(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer);
+
+#endif

@@ -1,0 +1,189 @@
+/* See reply.h. */
+#include "server/reply.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "proto/accept.h"
+#include "server/gzip.h"
+#include "server/server.h"
+
+#define GZIP_FROM        1025 /* bytes: smaller ones fit into a packet anyway */
+#define JSON             "application/json"
+#define PROBLEM_JSON     "application/problem+json"
+#define CONTENT_SECURITY "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+
+static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
+                     void *owned, size_t size)
+{
+    struct server_response *response = &exchange->response;
+    response->status = status;
+    response->media_type = media_type;
+    response->body = body;
+    response->owned = owned;
+    response->size = size;
+}
+
+void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
+{
+    struct server_response *response = &exchange->response;
+    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(response->headers[response->header_count].value, SERVER_HEADER_VALUE, format, arguments);
+    va_end(arguments);
+    response->headers[response->header_count++].name = name;
+}
+
+void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
+                        size_t size)
+{
+    set_body(exchange, status, media_type, bytes, bytes, size);
+}
+
+void server_reply_empty(struct server_exchange *exchange, unsigned status)
+{
+    set_body(exchange, status, NULL, NULL, NULL, 0);
+}
+
+void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *writer)
+{
+    struct proto_problem problem;
+    if (!proto_writer_check(writer, &problem)) {
+        proto_writer_free(writer);
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    size_t size = 0;
+    char *text = proto_writer_take(writer, &size);
+    server_reply_bytes(exchange, status, media_type, text, size);
+}
+
+void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer)
+{
+    server_reply_text(exchange, status, JSON, writer);
+}
+
+/* A problem whose own text could not be made goes out as its status alone. */
+void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem)
+{
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_problem_encode(&writer, problem);
+    char *text = proto_writer_take(&writer, &size);
+    proto_writer_free(&writer);
+    exchange->response.header_count = 0;
+    exchange->response.code = proto_problem_name(problem->code);
+    if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s", problem->allow);
+    if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
+    set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
+}
+
+void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code, const char *format, ...)
+{
+    char sentence[PROTO_PROBLEM_DETAIL];
+    struct proto_problem problem;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    (void)proto_problem_set(&problem, code, "%s", sentence);
+    if (problem.status == 503 && !problem.retry_after) problem.retry_after = 1;
+    server_reply_problem(exchange, &problem);
+}
+
+bool server_reply_accepts_json(struct server_exchange *exchange)
+{
+    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), JSON) > 0) return true;
+    server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                         "the answer is JSON; send Accept: application/json or none");
+    return false;
+}
+
+/* "gzip" listed without a quality of zero. */
+static bool takes_gzip(const struct server_exchange *exchange)
+{
+    const char *list = server_exchange_header(exchange, "Accept-Encoding");
+    const char *gzip = list ? strcasestr(list, "gzip") : NULL;
+    if (!gzip) return false;
+    size_t size = strcspn(gzip, ",");
+    const char *quality = strcasestr(gzip, "q=0");
+    return !quality || quality >= gzip + size || strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
+}
+
+void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset)
+{
+    server_reply_header(exchange, "ETag", "%s", asset->etag);
+    server_reply_header(exchange, "Vary", "Accept-Encoding");
+    if (asset->gzip && takes_gzip(exchange)) {
+        server_reply_header(exchange, "Content-Encoding", "gzip");
+        set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
+    } else {
+        set_body(exchange, 200, asset->media_type, asset->bytes, NULL, asset->size);
+    }
+}
+
+/* --- sealing ------------------------------------------------------------------------------------------------------ */
+
+static const char *response_header(const struct server_response *response, const char *name)
+{
+    for (uint32_t i = 0; i < response->header_count; i++)
+        if (strcmp(response->headers[i].name, name) == 0) return response->headers[i].value;
+    return NULL;
+}
+
+static void drop_body(struct server_response *response)
+{
+    free(response->owned);
+    response->owned = NULL;
+    response->body = NULL;
+    response->size = 0;
+}
+
+/* RFC 9110, 13.1.2: a GET whose entity tag the client names already. Tags here hold no commas, so a search in the
+ * list is exact. */
+static bool is_unchanged(const struct server_exchange *exchange)
+{
+    const struct server_response *response = &exchange->response;
+    const char *etag = response_header(response, "ETag"), *known = server_exchange_header(exchange, "If-None-Match");
+    if (response->status != 200 || !etag || !known) return false;
+    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return false;
+    return strcmp(known, "*") == 0 || strstr(known, etag);
+}
+
+static void compress(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    size_t size;
+    if (!response->owned || response->size < GZIP_FROM) return;
+    server_reply_header(exchange, "Vary", "Accept-Encoding");
+    if (!takes_gzip(exchange)) return;
+    void *compressed = server_gzip(response->body, response->size, &size);
+    if (!compressed) return;
+    drop_body(response);
+    response->body = response->owned = compressed;
+    response->size = size;
+    server_reply_header(exchange, "Content-Encoding", "gzip");
+}
+
+void server_reply_seal(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    if (is_unchanged(exchange)) {
+        drop_body(response);
+        response->status = 304;
+        response->media_type = NULL;
+    }
+    compress(exchange);
+    if (response->media_type) server_reply_header(exchange, "Content-Type", "%s", response->media_type);
+    server_reply_header(exchange, "X-Request-Id", "%s", exchange->request_id);
+    server_reply_header(exchange, "X-Content-Type-Options", "nosniff");
+    server_reply_header(exchange, "Content-Security-Policy", CONTENT_SECURITY);
+    server_reply_header(exchange, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
+    if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
+}

@@ -1,0 +1,42 @@
+/* Reply: how a handler answers. Each server_reply_* ends the request; the first one counts. */
+#ifndef SERVER_REPLY_H
+#define SERVER_REPLY_H
+
+#include "proto/asset.h"
+#include "proto/writer.h"
+#include "server/exchange.h"
+
+#define SERVER_REPLY_MOST (UINT64_C(1) << 30) /* bytes of an answer: a writer's maximum */
+
+/* Adds a response header, cut to SERVER_HEADER_VALUE. `name` is static. */
+void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* What the writer holds, as JSON or as another static media type; the writer is freed. A writer that failed gives
+ * its problem. */
+void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer);
+void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *writer);
+
+/* Bytes made by malloc, which become the exchange's. */
+void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
+                        size_t size);
+
+/* A static file, in its compressed form where the client takes it. */
+void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
+
+void server_reply_empty(struct server_exchange *exchange, unsigned status);
+void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem);
+
+/* The problem as a sentence made here. */
+void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* True, or false with not_acceptable replied, when the client takes no JSON. */
+bool server_reply_accepts_json(struct server_exchange *exchange);
+
+/* Finishes the answer: 304 when the client has it already, compression, the headers that every answer has. Called
+ * once, by the thread that has the exchange, after the reply. */
+void server_reply_seal(struct server_exchange *exchange);
+
+#endif

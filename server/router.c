@@ -1,0 +1,123 @@
+/* See router.h. */
+#include "server/router.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "server/framing.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+#define QUERY_BODY_LIMIT      (UINT64_C(1) << 20) /* bytes of a query's JSON */
+#define INLINE_BODY_LIMIT     8192 /* larger JSON takes longer to parse than the HTTP thread may be kept */
+#define REQUEST_ID_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
+
+/* Echoes the client's X-Request-Id, or makes one that no other request of this process has. */
+static void identify(struct server_exchange *exchange)
+{
+    static atomic_uint_least64_t serial;
+    const char *given = server_exchange_header(exchange, "X-Request-Id");
+    size_t size = given ? strlen(given) : 0;
+    if (size > 0 && size < SERVER_REQUEST_ID && strspn(given, REQUEST_ID_CHARACTERS) == size) {
+        strcpy(exchange->request_id, given);
+        return;
+    }
+    snprintf(exchange->request_id, sizeof exchange->request_id, "%llx-%llx", (unsigned long long)exchange->started_ns,
+             (unsigned long long)atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed));
+}
+
+static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    const struct server_guard_request request = {
+        .host = server_exchange_header(exchange, "Host"),
+        .origin = server_exchange_header(exchange, "Origin"),
+        .fetch_site = server_exchange_header(exchange, "Sec-Fetch-Site"),
+        .is_http10 = exchange->is_http10,
+    };
+    return server_guard_admit(&exchange->server->guard, &request, problem);
+}
+
+/* OPTIONS tells what the resource allows, as a 405 would. */
+static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
+{
+    if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED || !server_exchange_is(exchange, "OPTIONS")) return false;
+    server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
+    server_reply_empty(exchange, 204);
+    return true;
+}
+
+/* The viewer's files are no operations of the API. */
+static bool answer_asset(struct server_exchange *exchange, const struct proto_problem *problem)
+{
+    if (problem->code != PROTO_PROBLEM_NOT_FOUND) return false;
+    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return false;
+    const struct proto_asset *asset = proto_asset_find(proto_assets, proto_asset_count, exchange->path);
+    if (!asset) return false;
+    server_reply_asset(exchange, asset);
+    return true;
+}
+
+static bool prepare_body(struct server_exchange *exchange, const struct server_framing *framing,
+                         struct proto_problem *problem)
+{
+    const struct proto_route *route = exchange->match.route;
+    uint64_t limit = exchange->server->config.max_body;
+    if (!route->has_body)
+        return framing->declared == 0 || proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                                           "this operation takes no request body; send none");
+    if (!framing->has_body)
+        return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
+                                 "send the request body with a Content-Length, or chunked");
+    if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
+    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit, problem);
+}
+
+static bool begin(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    struct server_framing framing;
+    exchange->response.close = true; /* until it is known where the body ends */
+    if (exchange->fault) return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "%s", exchange->fault);
+    if (!server_framing_read(exchange, &framing, problem)) return false;
+    exchange->response.close = framing.declared != 0; /* until it is known that the body will be read */
+    if (!admit(exchange, problem)) return false;
+    if (!proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match, problem))
+        return answer_options(exchange, problem) || answer_asset(exchange, problem);
+    return prepare_body(exchange, &framing, problem);
+}
+
+void server_router_begin(struct server_exchange *exchange)
+{
+    struct proto_problem problem;
+    identify(exchange);
+    if (!begin(exchange, &problem)) server_reply_problem(exchange, &problem);
+    if (!exchange->response.status) exchange->response.close = false;
+}
+
+/* A handler that is run by a worker from its first step on. */
+static bool run_handler(struct server_exchange *exchange)
+{
+    exchange->match.route->handle(exchange);
+    return true;
+}
+
+static void dispatch(struct server_exchange *exchange)
+{
+    const struct proto_route *route = exchange->match.route;
+    struct proto_problem problem;
+    if (!server_body_check(&exchange->body, &exchange->server->budget, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    exchange->job.deadline_ns = gd_now_ns() + exchange->server->config.timeout_ms * 1000000;
+    if (route->query && exchange->body.size > INLINE_BODY_LIMIT)
+        server_exchange_defer(exchange, run_handler, NULL);
+    else
+        route->handle(exchange);
+}
+
+void server_router_end(struct server_exchange *exchange)
+{
+    if (!exchange->response.status) dispatch(exchange);
+    if (exchange->response.status) server_reply_seal(exchange);
+}

@@ -1,0 +1,96 @@
+/* See server.h. */
+#include "server/server.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "server/http.h"
+#include "server/registry.h"
+#include "server/timekeeper.h"
+
+#define LAST_ANSWERS_NS UINT64_C(2000000000) /* for the answers to leave, once there is nothing left to compute */
+
+/* Frees what there is of a server whose HTTP side does not run. */
+static void destroy(struct server *server)
+{
+    server_timekeeper_destroy(server->timekeeper);
+    if (server->store) server->store->close(server->store);
+    server_cache_destroy(server->cache);
+    server_workers_destroy(server->workers);
+    server_metrics_destroy(server->metrics);
+    free(server);
+}
+
+static bool create_parts(struct server *server)
+{
+    const struct server_config *config = &server->config;
+    server->guard.config = config;
+    server_budget_init(&server->budget, config->memory_budget);
+    server->workers = server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
+    if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
+    server->store = server_registry_create();
+    server->metrics = server_metrics_create(proto_routes, proto_route_count);
+    if (!server->cache || !server->store || !server->metrics) return false;
+    server->timekeeper = server_timekeeper_create(server);
+    return server->timekeeper != NULL;
+}
+
+static bool listen_on(struct server *server, char *error, size_t error_size)
+{
+    int listening = server_address_listen(&server->config.listen, error, error_size);
+    if (listening < 0) return false;
+    server->http = server_http_start(server, listening, (uint32_t)server->config.http_threads, error, error_size);
+    return server->http != NULL;
+}
+
+struct server *server_start(const struct server_config *config, char *error, size_t error_size)
+{
+    snprintf(error, error_size, "out of memory or threads");
+    struct server *server = calloc(1, sizeof *server);
+    if (!server) return NULL;
+    server->config = *config;
+    if (create_parts(server) && listen_on(server, error, error_size)) return server;
+    destroy(server);
+    return NULL;
+}
+
+void server_deferred_begin(struct server *server)
+{
+    if (atomic_fetch_add(&server->deferred, 1) == 0) server_timekeeper_wake(server->timekeeper);
+}
+
+/* --- the end ------------------------------------------------------------------------------------------------------ */
+
+static void pause_briefly(void)
+{
+    struct timespec pause = {.tv_nsec = 2000000};
+    nanosleep(&pause, NULL);
+}
+
+static void wait_until_idle(struct server *server, uint64_t until_ns)
+{
+    while (server_http_active(server->http) && gd_now_ns() < until_ns) pause_briefly();
+}
+
+static void remove_socket(const struct server_address *address)
+{
+    if (address->socket.ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
+}
+
+void server_stop(struct server *server)
+{
+    atomic_store(&server->draining, true);
+    server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way", server_http_active(server->http));
+    remove_socket(&server->config.listen);
+    server_http_quiesce(server->http);
+    wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
+    server_workers_cancel(server->workers);
+    while (atomic_load(&server->deferred)) pause_briefly();
+    wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
+    server_http_stop(server->http);
+    destroy(server);
+    server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
+}

@@ -1,0 +1,48 @@
+/* Server: the daemon's parts, wired together, and its way from start to stop.
+ *
+ * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, store, metrics, http.
+ * Locks, outermost first: store, cache, workers; metrics and budget are atomic; the timekeeper's lock is a leaf.
+ * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
+ * cancelled -> every deferred exchange has finished -> HTTP stops -> the parts are destroyed in reverse order. */
+#ifndef SERVER_SERVER_H
+#define SERVER_SERVER_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "server/budget.h"
+#include "server/cache.h"
+#include "server/config.h"
+#include "server/guard.h"
+#include "server/metrics.h"
+#include "server/store.h"
+#include "server/workers.h"
+
+struct server_http;
+struct server_timekeeper;
+
+struct server {
+    struct server_config config;
+    struct server_guard guard;
+    struct server_budget budget;
+    struct server_workers *workers;
+    struct server_cache *cache;
+    struct server_store *store;
+    struct server_metrics *metrics;
+    struct server_timekeeper *timekeeper;
+    struct server_http *http;
+    atomic_uint deferred; /* exchanges that the HTTP side has parked */
+    atomic_bool draining;
+};
+
+/* Starts everything, listening last. NULL with a sentence in `error`. */
+struct server *server_start(const struct server_config *config, char *error, size_t error_size);
+
+/* Drains, stops, frees. Returns within drain_ms and the few seconds that the last answers need to leave. */
+void server_stop(struct server *server);
+
+/* Counts an exchange as deferred, before it is submitted. */
+void server_deferred_begin(struct server *server);
+
+#endif

@@ -1,0 +1,17 @@
+/* Timekeeper: answers the requests whose deadline passes while they wait, in the queue or for somebody else's field. */
+#ifndef SERVER_TIMEKEEPER_H
+#define SERVER_TIMEKEEPER_H
+
+struct server;
+struct server_timekeeper;
+
+/* Starts its thread. NULL without memory or thread. The server is borrowed. */
+struct server_timekeeper *server_timekeeper_create(struct server *server);
+
+/* To be called when the first exchange is deferred: the thread sleeps while there is none. */
+void server_timekeeper_wake(struct server_timekeeper *timekeeper);
+
+/* Stops the thread and frees. NULL is harmless. */
+void server_timekeeper_destroy(struct server_timekeeper *timekeeper);
+
+#endif

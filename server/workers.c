@@ -1,0 +1,175 @@
+/* See workers.h. */
+#include "server/workers.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include "gd/control.h"
+
+struct server_workers {
+    pthread_mutex_t lock;
+    pthread_cond_t work;
+    struct server_job *head, **tail; /* the queue; `tail` points to the last `next` */
+    uint32_t queued, queue_length, running, thread_count;
+    bool leaving; /* threads end once the queue is empty */
+    atomic_bool cancelled;
+    pthread_t threads[];
+};
+
+/* --- the queue, under the lock ------------------------------------------------------------------------------------ */
+
+static void push_back(struct server_workers *workers, struct server_job *job)
+{
+    job->next = NULL;
+    *workers->tail = job;
+    workers->tail = &job->next;
+    workers->queued++;
+}
+
+static void push_front(struct server_workers *workers, struct server_job *job)
+{
+    job->next = workers->head;
+    workers->head = job;
+    if (!job->next) workers->tail = &job->next;
+    workers->queued++;
+}
+
+static struct server_job *pop_front(struct server_workers *workers)
+{
+    struct server_job *job = workers->head;
+    workers->head = job->next;
+    if (!workers->head) workers->tail = &workers->head;
+    workers->queued--;
+    return job;
+}
+
+/* Takes the expired jobs out, as a list. */
+static struct server_job *take_expired(struct server_workers *workers, uint64_t now_ns)
+{
+    struct server_job *expired = server_jobs_expire(&workers->head, now_ns);
+    workers->queued = 0;
+    workers->tail = &workers->head;
+    for (; *workers->tail; workers->tail = &(*workers->tail)->next) workers->queued++;
+    return expired;
+}
+
+/* --- threads ------------------------------------------------------------------------------------------------------ */
+
+static void run_job(struct server_workers *workers, struct server_job *job)
+{
+    if (atomic_load(&workers->cancelled))
+        job->refuse(job, SERVER_REFUSAL_DRAINING);
+    else if (job->deadline_ns <= gd_now_ns())
+        job->refuse(job, SERVER_REFUSAL_DEADLINE);
+    else
+        job->run(job);
+}
+
+static void *work(void *user)
+{
+    struct server_workers *workers = user;
+    pthread_mutex_lock(&workers->lock);
+    for (;;) {
+        while (!workers->head && !workers->leaving) pthread_cond_wait(&workers->work, &workers->lock);
+        if (!workers->head) break;
+        struct server_job *job = pop_front(workers);
+        workers->running++;
+        pthread_mutex_unlock(&workers->lock);
+        run_job(workers, job);
+        pthread_mutex_lock(&workers->lock);
+        workers->running--;
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return NULL;
+}
+
+struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
+{
+    struct server_workers *workers = calloc(1, sizeof *workers + count * sizeof workers->threads[0]);
+    if (!workers) return NULL;
+    pthread_mutex_init(&workers->lock, NULL);
+    pthread_cond_init(&workers->work, NULL);
+    workers->tail = &workers->head;
+    workers->queue_length = queue_length;
+    while (workers->thread_count < count) {
+        if (pthread_create(&workers->threads[workers->thread_count], NULL, work, workers) != 0) {
+            server_workers_destroy(workers);
+            return NULL;
+        }
+        workers->thread_count++;
+    }
+    return workers;
+}
+
+void server_workers_destroy(struct server_workers *workers)
+{
+    if (!workers) return;
+    server_workers_cancel(workers);
+    pthread_mutex_lock(&workers->lock);
+    workers->leaving = true;
+    pthread_cond_broadcast(&workers->work);
+    pthread_mutex_unlock(&workers->lock);
+    for (uint32_t i = 0; i < workers->thread_count; i++) pthread_join(workers->threads[i], NULL);
+    pthread_cond_destroy(&workers->work);
+    pthread_mutex_destroy(&workers->lock);
+    free(workers);
+}
+
+/* --- jobs in and out ---------------------------------------------------------------------------------------------- */
+
+bool server_workers_submit(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled), full = workers->queued >= workers->queue_length;
+    if (!cancelled && !full) {
+        push_back(workers, job);
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+    return cancelled || !full;
+}
+
+void server_workers_resume(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) {
+        push_front(workers, job);
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+}
+
+void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *expired = take_expired(workers, now_ns);
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
+}
+
+void server_workers_cancel(struct server_workers *workers)
+{
+    pthread_mutex_lock(&workers->lock);
+    atomic_store(&workers->cancelled, true);
+    struct server_job *queued = take_expired(workers, UINT64_MAX);
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
+}
+
+bool server_workers_cancelled(struct server_workers *workers)
+{
+    return atomic_load_explicit(&workers->cancelled, memory_order_relaxed);
+}
+
+struct server_workers_load server_workers_load(struct server_workers *workers)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_workers_load load = {workers->thread_count, workers->running, workers->queued};
+    pthread_mutex_unlock(&workers->lock);
+    return load;
+}

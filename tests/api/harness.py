@@ -1,0 +1,163 @@
+"""Starts a daemon of its own on a free port and speaks HTTP to it. Standard library only.
+
+The program is $GEODESICD, or build/geodesicd; sample meshes come from gd_sample beside it.
+"""
+import functools
+import http.client
+import json
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import threading
+import unittest
+
+PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
+START_SECONDS = 20  # sanitizers are slow to start
+PATIENCE_SECONDS = 60
+
+TETRAHEDRON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
+TWO_TRIANGLES = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\n"
+
+
+class Answer:
+    def __init__(self, status, headers, body):
+        self.status, self.headers, self.body = status, headers, body
+
+    @property
+    def json(self):
+        return json.loads(self.body)
+
+    def __repr__(self):
+        return f"<{self.status} {self.body[:300]!r}>"
+
+
+@functools.cache
+def sample(name, **parameters):
+    """The OBJ file of a sample mesh."""
+    arguments = [f"{key}={value}" for key, value in parameters.items()]
+    return subprocess.run([PROGRAM.parent / "gd_sample", name, *arguments], check=True, stdout=subprocess.PIPE).stdout
+
+
+class Daemon:
+    """A running daemon, and a context manager that stops it. `log` is what it has logged so far."""
+
+    def __init__(self, *flags, listen="127.0.0.1:0"):
+        self.log = []
+        self.process = subprocess.Popen([PROGRAM, "--listen", listen, *flags], stderr=subprocess.PIPE, text=True)
+        self._listening = threading.Event()
+        self._reader = threading.Thread(target=self._read_log, daemon=True)
+        self._reader.start()
+        if not self._listening.wait(START_SECONDS):
+            self.process.kill()
+            raise RuntimeError(f"the daemon did not start: {self.log}")
+        self.address = next(line["address"] for line in self.log if line.get("event") == "listening")
+
+    def _read_log(self):
+        for text in self.process.stderr:
+            try:
+                self.log.append(json.loads(text))
+            except json.JSONDecodeError:
+                self.log.append({"event": "not JSON", "message": text})
+            if self.log[-1]["event"] == "listening":
+                self._listening.set()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+
+    @property
+    def port(self):
+        return int(self.address.rpartition(":")[2])
+
+    def connect(self):
+        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE_SECONDS)
+
+    def request(self, method, path, body=None, headers=None, connection=None):
+        own = connection or self.connect()
+        try:
+            try:
+                own.request(method, path, body, headers or {})
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # refused before the body was sent: the answer is there
+            response = own.getresponse()
+            return Answer(response.status, response.headers, response.read())
+        finally:
+            if not connection:
+                own.close()
+
+    def get(self, path, **headers):
+        return self.request("GET", path, headers={key.replace("_", "-"): value for key, value in headers.items()})
+
+    def put(self, name, body, options="", **headers):
+        return self.request("PUT", f"/v1/meshes/{name}{options}", body, {k.replace("_", "-"): v for k, v in headers.items()})
+
+    def ask(self, name, query, document, options="", **headers):
+        headers = {"Content-Type": "application/json", **{k.replace("_", "-"): v for k, v in headers.items()}}
+        return self.request("POST", f"/v1/meshes/{name}/{query}{options}", json.dumps(document), headers)
+
+    def raw(self, text, shut=False):
+        """Sends bytes as they are; all that comes back until the daemon closes or falls silent."""
+        with socket.create_connection(("127.0.0.1", self.port), timeout=3) as connection:
+            connection.sendall(text)
+            if shut:
+                connection.shutdown(socket.SHUT_WR)
+            received = b""
+            try:
+                while data := connection.recv(65536):
+                    received += data
+            except (TimeoutError, ConnectionResetError):
+                pass
+            return received
+
+    def metric(self, name):
+        """The value of a metric without labels."""
+        for line in self.get("/metrics").body.decode().splitlines():
+            if line.startswith(f"geodesicd_{name} "):
+                return float(line.split()[1])
+        raise KeyError(name)
+
+    def terminate(self):
+        self.process.send_signal(signal.SIGTERM)
+
+    def stop(self):
+        """Ends the daemon as an operator would; returns its exit status."""
+        if self.process.poll() is None:
+            self.terminate()
+        try:
+            status = self.process.wait(PATIENCE_SECONDS)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise
+        self._reader.join(PATIENCE_SECONDS)
+        self.process.stderr.close()
+        return status
+
+
+class TestCase(unittest.TestCase):
+    """Tests that share a daemon, started with the class's `flags`. It must end well: so a sanitizer's complaint fails the class."""
+
+    flags = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon(*cls.flags)
+
+    @classmethod
+    def tearDownClass(cls):
+        status = cls.daemon.stop()
+        noise = [line["message"] for line in cls.daemon.log if line["event"] == "not JSON"]
+        if status != 0 or noise:
+            raise AssertionError(f"the daemon ended with {status}: {''.join(noise)}")
+
+    def assert_problem(self, answer, status, code):
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (status, "application/problem+json"), answer)
+        problem = answer.json
+        self.assertEqual((problem["status"], problem["code"]), (status, code))
+        self.assertEqual(problem["type"], f"urn:geodesicd:problem:{code}")
+        self.assertTrue(problem["title"] and problem["detail"])
+        return problem

@@ -1,0 +1,209 @@
+"""What is wrong gets a 4xx with a code and a sentence, at once, and the daemon goes on. One table a kind; each row is one promise."""
+import json
+import struct
+import unittest
+
+from harness import SQUARE, TestCase
+
+ROOT = "/v1/meshes"
+JSON = {"Content-Type": "application/json"}
+
+
+def stl(count, triangles):
+    return bytes(80) + struct.pack("<I", count) + triangles * struct.pack("<12fH", *range(12), 0)
+
+
+PLY = b"ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n" \
+      b"element face %d\nproperty list uchar int vertex_indices\nend_header\n"
+
+NINE_FACES = b"".join(b"v %d %d 0\n" % (i, i % 2) for i in range(11)) + b"".join(b"f %d %d %d\n" % (i, i + 1, i + 2) for i in range(1, 10))
+
+# (name, bytes, reason of invalid_mesh; None: any)
+FILES = [
+    ("nothing", b"", "empty"),
+    ("a word", b"hello", "unrecognized"),
+    ("zeros", bytes(200), "unrecognized"),
+    ("a picture", b"\x89PNG\r\n\x1a\n" + bytes(100), "unrecognized"),
+    ("a web page", b"<!doctype html><p>no mesh</p>", "unrecognized"),
+    ("no faces", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "empty"),
+    ("index beyond the vertices", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "index"),
+    ("index zero", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "index"),
+    ("index before the first", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -9 1 2\n", "index"),
+    ("huge index", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", None),
+    ("not a number", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "non_finite"),
+    ("infinity", b"v 0 0 inf\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "non_finite"),
+    ("a number beyond doubles", b"v 0 0 1e999\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None),
+    ("coordinates too large to square", b"v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\nf 1 2 3\n", "extent"),
+    ("letters for numbers", b"v a b c\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "syntax"),
+    ("two coordinates", b"v 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "syntax"),
+    ("face of two corners", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", None),
+    ("face that repeats a vertex", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n", "degenerate_face"),
+    ("two vertices in one place", b"v 0 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3\n", "degenerate_face"),
+    ("the same face twice", SQUARE + b"f 1 2 3\n", "duplicate_face"),
+    ("three faces at an edge", SQUARE + b"v 0 0 1\nf 1 3 5\n", "non_manifold_edge"),
+    ("two fans at a vertex", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n", "non_manifold_vertex"),
+    ("a Moebius strip", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n", "non_orientable"),
+    ("STL that ends early", stl(1000, 3), None),
+    ("STL of no triangles", stl(0, 0), None),
+    ("STL with an absurd count", stl(0xFFFFFFFF, 1), None),
+    ("ASCII STL that ends early", b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "truncated"),
+    ("OFF with an absurd count", b"OFF\n4000000000 1 0\n0 0 0\n", None),
+    ("OFF that ends early", b"OFF\n3 1 0\n0 0 0\n1 0 0\n", "truncated"),
+    ("OFF with negative counts", b"OFF\n-3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "syntax"),
+    ("PLY that ends early", PLY % (3, 1) + b"0 0 0\n1 0 0\n", "truncated"),
+    ("PLY with an absurd count", PLY % (4000000000, 1), None),
+    ("PLY without a header's end", b"ply\nformat ascii 1.0\nelement vertex 3\n", None),
+    ("PLY of an unknown format", b"ply\nformat ebcdic 1.0\nelement vertex 0\nend_header\n", None),
+    ("JSON without faces", b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]]}', None),
+    ("JSON that ends early", b'{"vertices": [[0,0,0],[1,0', None),
+    ("JSON with an index beyond the vertices", b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,7]]}', "index"),
+    ("JSON with two coordinates", b'{"vertices": [[0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', None),
+]
+
+DISTANCE = f"{ROOT}/square/distance"
+PAIR = {"from": {"vertex": 0}, "to": {"vertex": 2}}
+
+
+def pair(**changes):
+    return json.dumps({**PAIR, **changes})
+
+
+# (name, method, path, body, headers, status, code)
+REQUESTS = [
+    ("unknown path", "GET", "/v2", None, {}, 404, "not_found"),
+    ("path with two slashes", "GET", "//v1/meshes", None, {}, 404, "not_found"),
+    ("path with a slash at its end", "GET", ROOT + "/", None, {}, 404, "not_found"),
+    ("path that climbs", "GET", "/v1/../etc/passwd", None, {}, 404, "not_found"),
+    ("encoded slash in a name", "GET", ROOT + "/a%2Fb", None, {}, 400, "invalid_request"),
+    ("encoded NUL", "GET", ROOT + "/a%00b", None, {}, 400, "invalid_request"),
+    ("broken escape in the path", "GET", ROOT + "/a%2", None, {}, 400, "invalid_request"),
+    ("broken escape in the query string", "GET", DISTANCE + "?from=%zz", None, {}, 400, "invalid_request"),
+    ("encoded line break", "GET", ROOT + "/a%0d%0aX:%20y", None, {}, 400, "invalid_request"),
+    ("unknown method", "BREW", ROOT, None, {}, 405, "method_not_allowed"),
+    ("method that the resource lacks", "DELETE", ROOT, None, {}, 405, "method_not_allowed"),
+    ("POST to a mesh", "POST", ROOT + "/square", b"", {}, 405, "method_not_allowed"),
+    ("name that starts with a dot", "PUT", ROOT + "/.hidden", SQUARE, {}, 400, "invalid_request"),
+    ("name with a space", "PUT", ROOT + "/a%20b", SQUARE, {}, 400, "invalid_request"),
+    ("name of 129 characters", "PUT", ROOT + "/" + "n" * 129, SQUARE, {}, 400, "invalid_request"),
+    ("unknown upload option", "PUT", ROOT + "/x?colour=red", SQUARE, {}, 400, "invalid_request"),
+    ("unknown format", "PUT", ROOT + "/x?format=dwg", SQUARE, {}, 400, "invalid_request"),
+    ("option with an unknown word", "PUT", ROOT + "/x?triangulate=maybe", SQUARE, {}, 400, "invalid_request"),
+    ("option that stands twice", "PUT", ROOT + "/x?format=obj&format=ply", SQUARE, {}, 400, "invalid_request"),
+    ("upload that declares too much", "PUT", ROOT + "/x", bytes(70000), {}, 413, "too_large"),
+    ("mesh with too many faces", "PUT", ROOT + "/x", NINE_FACES, {}, 413, "too_large"),
+    ("description as text", "GET", ROOT + "/square", None, {"Accept": "text/plain"}, 406, "not_acceptable"),
+    ("description with JSON refused", "GET", ROOT + "/square", None, {"Accept": "application/json;q=0"}, 406, "not_acceptable"),
+    ("limit of zero", "GET", ROOT + "?limit=0", None, {}, 400, "invalid_request"),
+    ("limit that is no number", "GET", ROOT + "?limit=many", None, {}, 400, "invalid_request"),
+    ("unknown parameter of a list", "GET", ROOT + "?page=2", None, {}, 400, "invalid_request"),
+    ("unknown parameter of the service", "GET", "/v1?x=1", None, {}, 400, "invalid_request"),
+    ("missing point", "GET", DISTANCE + "?from=v:0", None, {}, 400, "invalid_request"),
+    ("point without a form", "GET", DISTANCE + "?from=0&to=v:1", None, {}, 400, "invalid_request"),
+    ("point with rubbish behind it", "GET", DISTANCE + "?from=v:0x&to=v:1", None, {}, 400, "invalid_request"),
+    ("vertex of minus one", "GET", DISTANCE + "?from=v:-1&to=v:1", None, {}, 400, "invalid_request"),
+    ("vertex beyond 32 bits", "GET", DISTANCE + "?from=v:4294967296&to=v:1", None, {}, 400, "invalid_request"),
+    ("coordinates that are not finite", "GET", DISTANCE + "?from=p:nan,0,0&to=v:1", None, {}, 400, "invalid_request"),
+    ("unknown parameter", "GET", DISTANCE + "?from=v:0&to=v:1&via=v:2&why=", None, {}, 400, "invalid_request"),
+    ("unknown field", "GET", DISTANCE + "?from=v:0&to=v:1&fields=speed", None, {}, 400, "invalid_request"),
+    ("unknown geometry", "GET", DISTANCE + "?from=v:0&to=v:1&geometry=round", None, {}, 400, "invalid_request"),
+    ("timeout of zero", "GET", DISTANCE + "?from=v:0&to=v:1&timeout_ms=0", None, {}, 400, "invalid_request"),
+    ("33 parameters", "GET", DISTANCE + "?" + "&".join(f"a{i}=1" for i in range(33)), None, {}, 400, "invalid_request"),
+    ("body with a GET", "GET", DISTANCE + "?from=v:0&to=v:1", b"{}", {}, 400, "invalid_request"),
+    ("form instead of JSON", "POST", DISTANCE, pair(), {"Content-Type": "application/x-www-form-urlencoded"}, 415, "unsupported_media_type"),
+    ("empty body", "POST", DISTANCE, b"", JSON, 400, "invalid_request"),
+    ("JSON that ends early", "POST", DISTANCE, pair()[:-3], JSON, 400, "invalid_request"),
+    ("JSON with something behind it", "POST", DISTANCE, pair() + "x", JSON, 400, "invalid_request"),
+    ("an array", "POST", DISTANCE, "[]", JSON, 400, "invalid_request"),
+    ("member that stands twice", "POST", DISTANCE, '{"from":{"vertex":0},"from":{"vertex":1},"to":{"vertex":2}}', JSON, 400, "invalid_request"),
+    ("unknown member", "POST", DISTANCE, pair(colour="red"), JSON, 400, "invalid_request"),
+    ("vertex as text", "POST", DISTANCE, pair(to={"vertex": "2"}), JSON, 400, "invalid_request"),
+    ("vertex and a half", "POST", DISTANCE, pair(to={"vertex": 2.5}), JSON, 400, "invalid_request"),
+    ("point of two forms", "POST", DISTANCE, pair(to={"vertex": 2, "xyz": [0, 0, 0]}), JSON, 400, "invalid_request"),
+    ("point of no form", "POST", DISTANCE, pair(to={}), JSON, 400, "invalid_request"),
+    ("barycentrics that sum to two", "POST", DISTANCE, pair(to={"face": 0, "barycentric": [1, 1, 0]}), JSON, 422, "point_not_on_surface"),
+    ("negative barycentric", "POST", DISTANCE, pair(to={"face": 0, "barycentric": [-1, 1, 1]}), JSON, 422, "point_not_on_surface"),
+    ("t beyond the edge", "POST", DISTANCE, pair(to={"edge": [0, 1], "t": 1.5}), JSON, 422, "point_not_on_surface"),
+    ("edge that is none", "POST", DISTANCE, pair(to={"edge": [1, 3], "t": 0.5}), JSON, 400, "invalid_request"),
+    ("number beyond doubles", "POST", DISTANCE, '{"from":{"vertex":0},"to":{"xyz":[1e999,0,0]}}', JSON, 400, "invalid_request"),
+    ("ray of no direction", "POST", f"{ROOT}/square/nearest", '{"point":{"ray":{"origin":[0,0,1],"direction":[0,0,0]}}}', JSON, 400, "invalid_request"),
+    ("NUL in JSON", "POST", DISTANCE, '{"from":{"vertex":0},"to":{"vertex":2},"\\u0000":1}', JSON, 400, "invalid_request"),
+    ("bytes that are not UTF-8", "POST", DISTANCE, b'{"from":{"vertex":0},"to":{"vertex":2},"\xff":1}', JSON, 400, "invalid_request"),
+    ("deep nesting", "POST", DISTANCE, "[" * 5000 + "]" * 5000, JSON, 400, "invalid_request"),
+]
+
+PUT = b"PUT /v1/meshes/raw HTTP/1.1\r\nHost: localhost\r\n"
+GET = b"GET /v1 HTTP/1.1\r\n"
+
+# (name, bytes as they go over the wire, status): what a client library would not send. Status 0: hung up without a word.
+RAW = [
+    ("Content-Length and Transfer-Encoding", PUT + b"Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400),
+    ("two Content-Lengths", PUT + b"Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello", 400),
+    ("the same Content-Length twice", PUT + b"Content-Length: 5\r\nContent-Length: 5\r\n\r\nhello", 400),
+    ("a list of Content-Lengths", PUT + b"Content-Length: 5, 5\r\n\r\nhello", 400),
+    ("a signed Content-Length", PUT + b"Content-Length: +5\r\n\r\nhello", 400),
+    ("a negative Content-Length", PUT + b"Content-Length: -5\r\n\r\nhello", 400),
+    ("a hexadecimal Content-Length", PUT + b"Content-Length: 0x5\r\n\r\nhello", 400),
+    ("a Content-Length beyond 64 bits", PUT + b"Content-Length: 99999999999999999999\r\n\r\nhello", (400, 413)),
+    ("an unknown coding", PUT + b"Transfer-Encoding: gzip\r\n\r\nhello", 400),
+    ("chunked and more", PUT + b"Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n", 400),
+    ("chunked in HTTP/1.0", b"PUT /v1/meshes/raw HTTP/1.0\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400),
+    ("an upload of no length", PUT + b"\r\n", 411),
+    ("no Host", GET + b"\r\n", 400),
+    ("two Hosts", GET + b"Host: localhost\r\nHost: localhost\r\n\r\n", 400),
+    ("an absolute target elsewhere", b"GET http://example.com/v1 HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+    ("65 headers", GET + b"Host: localhost\r\n" + b"".join(b"X-%d: y\r\n" % i for i in range(64)) + b"\r\n", 400),
+    ("a request line without a version", b"GET\r\n\r\n", (400, 0)),
+    ("a header line without a colon", GET + b"Host: localhost\r\nrubbish\r\n\r\n", 400),
+]
+
+
+class Malformed(TestCase):
+    flags = ("--max-body", "64KiB", "--max-faces", "8")
+
+    def setUp(self):
+        self.assertIn(self.daemon.put("square", SQUARE).status, (200, 201))
+
+    def tearDown(self):
+        self.assertEqual(self.daemon.get("/livez").status, 200)
+
+    def test_files(self):
+        for name, content, reason in FILES:
+            with self.subTest(name):
+                problem = self.assert_problem(self.daemon.put("bad", content), 422, "invalid_mesh")
+                if reason:
+                    self.assertEqual(problem["reason"], reason)
+        self.assert_problem(self.daemon.get(f"{ROOT}/bad"), 404, "not_found")
+
+    def test_requests(self):
+        for name, method, path, body, headers, status, code in REQUESTS:
+            with self.subTest(name):
+                self.assert_problem(self.daemon.request(method, path, body, headers), status, code)
+
+    def test_raw(self):
+        for name, text, status in RAW:
+            with self.subTest(name):
+                received = self.daemon.raw(text, shut=True)
+                expected = status if isinstance(status, tuple) else (status,)
+                self.assertIn(int(received[9:12] or 0), expected, received)
+                self.assertLessEqual(received.count(b"X-Request-Id"), 1, received)
+
+    def test_nothing_is_smuggled(self):
+        """What follows an ambiguous request is never taken for a request."""
+        hidden = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        for framing in (b"Content-Length: 3\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", b"Content-Length: 0\r\nContent-Length: 60\r\n\r\n"):
+            self.assertEqual(self.daemon.raw(PUT + framing + hidden).count(b"X-Request-Id"), 1)
+        refused = b"GET /v1 HTTP/1.1\r\nHost: evil.example\r\nContent-Length: %d\r\n\r\n" % len(hidden)
+        self.assertEqual(self.daemon.raw(refused + hidden).count(b"X-Request-Id"), 1)
+        self.assertFalse([line for line in self.daemon.log if "smuggled" in line.get("path", "")])
+
+    def test_chunks_past_the_limit(self):
+        chunks = (bytes(1000) for _ in range(100))
+        self.assert_problem(self.daemon.put("chunked", chunks), 413, "too_large")
+
+    def test_long_headers(self):
+        received = self.daemon.raw(GET + b"Host: localhost\r\nX-Long: " + b"y" * 300000 + b"\r\n\r\n")
+        self.assertIn(received[9:12], (b"431", b"400", b"413", b""), received[:200])
+
+
+if __name__ == "__main__":
+    unittest.main()

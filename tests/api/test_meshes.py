@@ -1,0 +1,182 @@
+"""The resource /v1/meshes: create, replace, list, describe, send back, remove."""
+import hashlib
+import json
+import re
+import unittest
+
+from harness import SQUARE, TETRAHEDRON, TestCase, sample
+
+FORMATS = ("obj", "ply", "off", "stl")
+
+
+class Put(TestCase):
+    def test_create_tells_what_the_mesh_is(self):
+        answer = self.daemon.put("created", TETRAHEDRON)
+        self.assertEqual(answer.status, 201)
+        mesh = answer.json
+        self.assertEqual(mesh["sha256"], hashlib.sha256(TETRAHEDRON).hexdigest())
+        self.assertEqual((mesh["vertices"], mesh["faces"], mesh["edges"], mesh["components"]), (4, 4, 6, 1))
+        self.assertEqual((mesh["genus"], mesh["euler_characteristic"], mesh["boundaries"]), (0, 2, []))
+        self.assertRegex(mesh["created"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+        self.assertEqual(answer.headers["ETag"], f'"{mesh["etag"]}"')
+        self.assertEqual(answer.headers["Location"], "/v1/meshes/created")
+
+    def test_the_same_bytes_again_change_nothing(self):
+        first = self.daemon.put("same", SQUARE)
+        self.daemon.get("/v1/meshes/same/distance?from=v:0&to=v:2")
+        again = self.daemon.put("same", SQUARE)
+        self.assertEqual((first.status, again.status), (201, 200))
+        self.assertEqual(again.json["fields_cached"], 1)
+        self.assertEqual(again.json["created"], first.json["created"])
+
+    def test_other_bytes_replace_and_end_the_fields(self):
+        self.daemon.put("replaced", SQUARE)
+        self.daemon.get("/v1/meshes/replaced/distance?from=v:0&to=v:2")
+        answer = self.daemon.put("replaced", TETRAHEDRON)
+        self.assertEqual((answer.status, answer.json["faces"], answer.json["fields_cached"]), (200, 4, 0))
+
+    def test_other_options_rebuild(self):
+        first = self.daemon.put("options", SQUARE)
+        second = self.daemon.put("options", SQUARE, "?triangulate=false")
+        self.assertEqual(second.status, 200)
+        self.assertNotEqual(first.headers["ETag"], second.headers["ETag"])
+
+    def test_a_file_that_is_sent_in_chunks(self):
+        chunks = (SQUARE[i : i + 7] for i in range(0, len(SQUARE), 7))
+        self.assertEqual(self.daemon.put("chunked", chunks).status, 201)
+
+    def test_polygons_are_triangulated_or_refused(self):
+        quad = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+        self.assertEqual(self.daemon.put("quad", quad).json["faces"], 2)
+        answer = self.daemon.put("refused", quad, "?triangulate=false")
+        self.assertEqual(self.assert_problem(answer, 422, "invalid_mesh")["reason"], "not_triangles")
+
+    def test_a_failed_upload_leaves_the_old_mesh(self):
+        self.daemon.put("kept", SQUARE)
+        self.assertEqual(self.daemon.put("kept", b"v 0 0 0\nf 1 2 3\n").status, 422)
+        self.assertEqual(self.daemon.get("/v1/meshes/kept").json["faces"], 2)
+
+    def test_preconditions(self):
+        etag = self.daemon.put("guarded", SQUARE).headers["ETag"]
+        self.assert_problem(self.daemon.put("guarded", TETRAHEDRON, If_None_Match="*"), 412, "precondition_failed")
+        self.assert_problem(self.daemon.put("guarded", TETRAHEDRON, If_Match='"other"'), 412, "precondition_failed")
+        self.assert_problem(self.daemon.put("absent", SQUARE, If_Match="*"), 412, "precondition_failed")
+        self.assertEqual(self.daemon.put("guarded", TETRAHEDRON, If_Match=etag).status, 200)
+        self.assertEqual(self.daemon.put("fresh", SQUARE, If_None_Match="*").status, 201)
+
+    def test_expect_continue(self):
+        head = f"PUT /v1/meshes/expect HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(SQUARE)}\r\nExpect: 100-continue\r\n"
+        received = self.daemon.raw(head.encode() + b"Connection: close\r\n\r\n" + SQUARE)
+        self.assertTrue(received.startswith(b"HTTP/1.1 100 "), received)
+        self.assertIn(b"HTTP/1.1 201 ", received)
+
+
+class Post(TestCase):
+    def test_the_name_comes_from_the_content(self):
+        first = self.daemon.request("POST", "/v1/meshes", TETRAHEDRON)
+        again = self.daemon.request("POST", "/v1/meshes", TETRAHEDRON)
+        self.assertEqual((first.status, again.status), (201, 200))
+        self.assertTrue(hashlib.sha256(TETRAHEDRON).hexdigest().startswith(first.json["name"]))
+        self.assertEqual(self.daemon.get(first.headers["Location"]).json["name"], first.json["name"])
+
+    def test_json(self):
+        mesh = {"vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "faces": [[0, 1, 2, 3]]}
+        answer = self.daemon.request("POST", "/v1/meshes", json.dumps(mesh), {"Content-Type": "application/json"})
+        self.assertEqual((answer.status, answer.json["faces"], answer.json["area"]), (201, 2, 1))
+
+
+class Read(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for name in ("a", "b", "c", "d", "e"):
+            cls.daemon.put(name, SQUARE)
+
+    def test_describe(self):
+        answer = self.daemon.get("/v1/meshes/c")
+        self.assertEqual((answer.status, answer.json["name"]), (200, "c"))
+        self.assertEqual(answer.json["boundaries"], [{"vertices": 4, "length": 4}])
+
+    def test_head_is_get_without_the_body(self):
+        get, head = self.daemon.get("/v1/meshes/c"), self.daemon.request("HEAD", "/v1/meshes/c")
+        self.assertEqual((head.status, head.body), (200, b""))
+        self.assertEqual(head.headers["Content-Length"], get.headers["Content-Length"])
+        self.assertEqual(head.headers["ETag"], get.headers["ETag"])
+
+    def test_not_modified(self):
+        etag = self.daemon.get("/v1/meshes/c").headers["ETag"]
+        answer = self.daemon.get("/v1/meshes/c", If_None_Match=f'"other", {etag}')
+        self.assertEqual((answer.status, answer.body, answer.headers["ETag"]), (304, b"", etag))
+
+    def test_list_by_pages(self):
+        names, after = [], ""
+        while after is not None:
+            page = self.daemon.get(f"/v1/meshes?limit=2{after}").json
+            names += [mesh["name"] for mesh in page["meshes"]]
+            after = page["next"] and f"&after={page['next']}"
+        self.assertEqual(names, ["a", "b", "c", "d", "e"])
+
+    def test_list_after_a_name_that_does_not_exist(self):
+        names = [mesh["name"] for mesh in self.daemon.get("/v1/meshes?after=bb").json["meshes"]]
+        self.assertEqual(names, ["c", "d", "e"])
+
+    def test_unknown_and_odd_names(self):
+        for name in ("nobody", "a/b", "%61b"):
+            self.assert_problem(self.daemon.get(f"/v1/meshes/{name}"), 404, "not_found")
+        self.assertEqual(self.daemon.get("/v1/meshes/%61").json["name"], "a")
+
+
+class Content(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.file = sample("torus", columns=12, rows=7)
+        cls.mesh = cls.daemon.put("torus", cls.file).json
+
+    def test_every_format_comes_back_as_the_same_mesh(self):
+        for name in FORMATS:
+            answer = self.daemon.get(f"/v1/meshes/torus/content?format={name}")
+            self.assertEqual(answer.status, 200, answer)
+            again = self.daemon.put(f"again-{name}", answer.body).json
+            for key in ("vertices", "faces", "edges", "genus"):
+                self.assertEqual(again[key], self.mesh[key], (name, key))
+            self.assertAlmostEqual(again["area"], self.mesh["area"], 5 if name == "stl" else 12)
+
+    def test_doubles_are_kept(self):
+        answer = self.daemon.get("/v1/meshes/torus/content?format=obj")
+        numbers = re.compile(rb"^v (\S+) (\S+) (\S+)$", re.M)
+        sent = [tuple(map(float, match)) for match in numbers.findall(self.file)]
+        self.assertEqual([tuple(map(float, match)) for match in numbers.findall(answer.body)], sent)
+
+    def test_format_by_accept(self):
+        answer = self.daemon.get("/v1/meshes/torus/content", Accept="application/x-ply, model/obj;q=0.5")
+        self.assertEqual(answer.headers["Content-Type"], "application/x-ply")
+        self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="torus.ply"')
+        self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
+
+
+class Delete(TestCase):
+    def test_delete(self):
+        self.daemon.put("gone", SQUARE)
+        answer = self.daemon.request("DELETE", "/v1/meshes/gone")
+        self.assertEqual((answer.status, answer.body), (204, b""))
+        self.assert_problem(self.daemon.get("/v1/meshes/gone"), 404, "not_found")
+        self.assert_problem(self.daemon.request("DELETE", "/v1/meshes/gone"), 404, "not_found")
+
+    def test_delete_if_match(self):
+        etag = self.daemon.put("matched", SQUARE).headers["ETag"]
+        other = self.daemon.request("DELETE", "/v1/meshes/matched", headers={"If-Match": '"other"'})
+        self.assert_problem(other, 412, "precondition_failed")
+        self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/matched", headers={"If-Match": etag}).status, 204)
+
+    def test_memory_is_given_back(self):
+        self.daemon.put("big", sample("grid", columns=100, rows=100))
+        self.daemon.get("/v1/meshes/big/distance?from=v:0&to=v:9000")
+        self.daemon.request("DELETE", "/v1/meshes/big")
+        text = self.daemon.get("/metrics").body.decode()
+        self.assertIn('memory_bytes{class="fields"} 0\n', text)
+        self.assertIn('memory_bytes{class="flight"} 0\n', text)
+
+
+if __name__ == "__main__":
+    unittest.main()

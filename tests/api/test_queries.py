@@ -1,0 +1,138 @@
+"""Distance, path and nearest, on surfaces whose answers are known in closed form."""
+import math
+import unittest
+
+from harness import SQUARE, TWO_TRIANGLES, TestCase, sample
+
+
+class Pairs(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("square", SQUARE)
+        cls.daemon.put("apart", TWO_TRIANGLES)
+        cls.daemon.put("grid", sample("grid", columns=20, rows=20))
+        cls.daemon.put("box", sample("box", cells=4))
+
+    def distance(self, mesh, start, end):
+        answer = self.daemon.get(f"/v1/meshes/{mesh}/distance?from={start}&to={end}")
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json["distance"]
+
+    def test_flat(self):
+        self.assertAlmostEqual(self.distance("square", "v:0", "v:2"), math.sqrt(2), 12)
+        self.assertAlmostEqual(self.distance("square", "e:0-1:0.5", "f:1:0.25,0.25,0.5"), math.dist((0.5, 0), (0.25, 0.75)), 12)
+        self.assertAlmostEqual(self.distance("grid", "p:0.1,0.2,0", "p:0.9,0.7,0"), math.dist((0.1, 0.2), (0.9, 0.7)), 12)
+
+    def test_it_is_a_metric(self):
+        points = ["v:0", "p:1,1,1", "p:0.3,0.2,0", "p:0,0.4,0.7"]
+        d = {(a, b): self.distance("box", a, b) for a in points for b in points}
+        for a in points:
+            self.assertEqual(d[a, a], 0)
+            for b in points:
+                self.assertAlmostEqual(d[a, b], d[b, a], 12)
+                for c in points:
+                    self.assertLessEqual(d[a, c], d[a, b] + d[b, c] + 1e-12)
+
+    def test_opposite_corners_of_a_box(self):
+        answer = self.daemon.get("/v1/meshes/box/path?from=p:0,0,0&to=p:1,1,1")
+        self.assertAlmostEqual(answer.json["distance"], math.sqrt(5), 12)
+        self.assertAlmostEqual(answer.json["path"]["length"], math.sqrt(5), 12)
+
+    def test_get_and_post_agree(self):
+        document = {"from": {"xyz": [0, 0, 0]}, "to": {"face": 7, "barycentric": [0.5, 0.25, 0.25]}}
+        post = self.daemon.ask("box", "path", document)
+        get = self.daemon.get("/v1/meshes/box/path?from=p:0,0,0&to=f:7:0.5,0.25,0.25")
+        self.assertEqual(post.status, 200, post)
+        self.assertEqual(post.json, get.json)
+        self.assertEqual(post.headers["ETag"], self.daemon.get("/v1/meshes/box").headers["ETag"])
+
+    def test_a_path_runs_from_one_point_to_the_other(self):
+        for ends in ("from=p:0.1,0.2,0&to=p:0.9,0.7,0", "to=p:0.1,0.2,0&from=p:0.9,0.7,0"):
+            answer = self.daemon.get(f"/v1/meshes/grid/path?{ends}").json
+            points = [point["xyz"] for point in answer["path"]["points"]]
+            self.assertEqual((points[0], points[-1]), (answer["from"]["xyz"], answer["to"]["xyz"]))
+            self.assertAlmostEqual(sum(map(math.dist, points, points[1:])), answer["distance"], 12)
+
+    def test_other_component(self):
+        answer = self.daemon.get("/v1/meshes/apart/path?from=v:0&to=v:4")
+        self.assertEqual(answer.status, 200)
+        self.assertEqual((answer.json["distance"], answer.json["reason"], answer.json["path"]), (None, "no_path", None))
+
+    def test_fields_and_geometry(self):
+        url = "/v1/meshes/grid/path?from=v:0&to=v:5"
+        self.assertEqual(list(self.daemon.get(f"{url}&fields=distance").json), ["distance"])
+        points = self.daemon.get(f"{url}&geometry=xyz").json["path"]["points"]
+        self.assertTrue(all(len(point) == 3 for point in points))
+        self.assertNotIn("points", self.daemon.get(f"{url}&geometry=none").json["path"])
+
+    def test_compressed(self):
+        url = "/v1/meshes/grid/path?from=v:0&to=p:0.99,0.93,0"
+        plain, gzip = self.daemon.get(url), self.daemon.get(url, Accept_Encoding="br, gzip")
+        self.assertGreater(len(plain.body), 1024)
+        self.assertEqual((plain.headers["Content-Encoding"], gzip.headers["Content-Encoding"]), (None, "gzip"))
+        self.assertEqual(gzip.headers["Vary"], "Accept-Encoding")
+        import gzip as codec
+
+        self.assertEqual(codec.decompress(gzip.body), plain.body)
+        refused = self.daemon.get(url, Accept_Encoding="gzip;q=0, identity")
+        self.assertIsNone(refused.headers["Content-Encoding"])
+
+    def test_a_question_far_beyond_the_first_one(self):
+        """The first question builds a field as far as its target, the second one the whole, the third one builds nothing."""
+        self.daemon.put("fresh", sample("icosphere", level=4))
+        builds = self.daemon.metric("cache_builds_total")
+        steps = []
+        for target in ("v:13", "p:-9,-9,-9", "p:9,-9,9"):
+            self.distance("fresh", "v:12", target)
+            steps.append(self.daemon.metric("cache_builds_total") - builds)
+        self.assertEqual(steps, [1, 2, 2])
+        self.distance("fresh", "p:0,9,0", "v:12")  # the other way round: the field of `to` answers
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 2)
+
+    def test_points_that_are_not_there(self):
+        for point in ("v:99", "f:2:1,0,0", "e:1-3:0.5"):
+            problem = self.assert_problem(self.daemon.get(f"/v1/meshes/square/distance?from=v:0&to={point}"), 400, "invalid_request")
+            self.assertEqual(problem["parameter"], "to")
+        answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": {"vertex": 99}})
+        self.assertTrue(self.assert_problem(answer, 400, "invalid_request")["pointer"].startswith("/to"))
+        answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": {"xyz": [9, 9, 9], "max_snap": 0.5}})
+        self.assert_problem(answer, 422, "point_not_on_surface")
+
+    def test_a_mesh_that_is_not_there(self):
+        self.assert_problem(self.daemon.get("/v1/meshes/nobody/distance?from=v:0&to=v:1"), 404, "not_found")
+
+
+class Nearest(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("square", SQUARE)
+
+    def test_point_above(self):
+        point = self.daemon.get("/v1/meshes/square/nearest?point=p:0.5,0.25,2").json
+        self.assertEqual((point["face"], point["snap_distance"]), (0, 2))
+        self.assertEqual(point["xyz"], [0.5, 0.25, 0])
+
+    def test_forms_of_the_same_corner(self):
+        forms = ["v:2", "f:0:0,0,1", "e:2-3:0", "p:1,1,0"]
+        found = [self.daemon.get(f"/v1/meshes/square/nearest?point={form}").json for form in forms]
+        for point in found:
+            self.assertEqual((point["vertex"], point["face"], point["xyz"]), (2, 0, [1, 1, 0]))
+
+    def test_ray(self):
+        hit = self.daemon.ask("square", "nearest", {"point": {"ray": {"origin": [0.75, 0.5, 5], "direction": [0, 0, -1]}}})
+        self.assertEqual(hit.json["xyz"], [0.75, 0.5, 0])
+        missed = self.daemon.ask("square", "nearest", {"point": {"ray": {"origin": [7, 7, 5], "direction": [0, 0, -1]}}})
+        self.assert_problem(missed, 422, "point_not_on_surface")
+
+    def test_a_large_body_is_read_by_a_worker(self):
+        document = {"point": {"vertex": 2}}
+        answer = self.daemon.request("POST", "/v1/meshes/square/nearest", " " * 20000 + '{"point": {"vertex": 2}}',
+                                     {"Content-Type": "application/json"})
+        self.assertEqual(answer.status, 200, answer)
+        self.assertEqual(answer.json, self.daemon.ask("square", "nearest", document).json)
+
+
+if __name__ == "__main__":
+    unittest.main()

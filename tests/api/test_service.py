@@ -1,0 +1,384 @@
+"""The daemon as a whole: start, health, headers, who may speak to it, the two lanes, overload, deadlines, drain."""
+import concurrent.futures
+import pathlib
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, sample
+
+
+def slow_mesh():
+    """A mesh on which one field takes long enough to watch: a rough terrain without flat parts."""
+    return sample("terrain", cells=256, amplitude=1)
+
+
+def all_of(count, call):
+    with concurrent.futures.ThreadPoolExecutor(count) as pool:
+        return list(pool.map(call, range(count)))
+
+
+def run(*flags, environment=None):
+    return subprocess.run([PROGRAM, *flags], capture_output=True, text=True, timeout=PATIENCE_SECONDS, env=environment)
+
+
+class Start(unittest.TestCase):
+    def assert_refused(self, result, *words):
+        self.assertEqual(result.returncode, 2, result)
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    def test_help_and_version(self):
+        answer = run("--help")
+        self.assertEqual(answer.returncode, 0)
+        for flag in ("--listen", "--memory-budget", "--drain-ms"):
+            self.assertIn(flag, answer.stdout)
+        self.assertRegex(run("--version").stdout, r"^geodesicd \d+\.\d+\.\d+\n$")
+
+    def test_wrong_flags(self):
+        self.assert_refused(run("--wrokers", "3"), "--workers")
+        self.assert_refused(run("--workers"), "value")
+        self.assert_refused(run("--workers", "many"), "whole number")
+        self.assert_refused(run("--memory-budget", "4 apples"), "size")
+        self.assert_refused(run("workers"), "--")
+
+    def test_other_addresses_than_loopback_need_keys(self):
+        for address in ("0.0.0.0:0", "[::]:0", "192.0.2.1:80"):
+            self.assert_refused(run("--listen", address), "refusing to listen", "keys")
+
+    def test_a_taken_port(self):
+        with Daemon() as daemon:
+            result = run("--listen", daemon.address)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("start_failed", result.stderr)
+
+    def test_environment_and_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "geodesicd.conf"
+            file.write_text("# limits\nworkers = 3\nmax-body = 2MiB # small\n")
+            with Daemon("--config", str(file), "--max-body", "3MiB") as daemon:
+                limits = daemon.get("/v1").json["limits"]
+                self.assertEqual((limits["workers"], limits["max_body_bytes"]), (3, 3 << 20))
+            file.write_text("wrokers = 3\n")
+            self.assert_refused(run("--config", str(file)), f"{file}:1", "workers")
+        self.assert_refused(run(environment={"GEODESICD_WORKERS": "none"}), "GEODESICD_WORKERS")
+
+    def test_unix_socket(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "geodesicd.socket"
+            with Daemon(listen=f"unix:{path}"):
+                with socket.socket(socket.AF_UNIX) as connection:
+                    connection.connect(str(path))
+                    connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+                    self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 200 "))
+            self.assertFalse(path.exists())
+
+
+class Service(TestCase):
+    def test_health(self):
+        for path in ("/livez", "/readyz"):
+            answer = self.daemon.get(path)
+            self.assertEqual((answer.status, answer.json), (200, {"status": "ok"}))
+
+    def test_description(self):
+        service = self.daemon.get("/v1").json
+        self.assertEqual(set(service["capabilities"]["queries"]), {"distance", "path", "nearest"})
+        self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
+
+    def test_pages(self):
+        page = self.daemon.get("/")
+        self.assertTrue(page.headers["Content-Type"].startswith("text/html"))
+        for path in ("/app.js", "/style.css", "/openapi.json"):
+            answer = self.daemon.get(path)
+            self.assertEqual((answer.status, self.daemon.get(path, If_None_Match=answer.headers["ETag"]).status), (200, 304))
+        self.assertEqual(self.daemon.get("/openapi.json").json["openapi"][:3], "3.1")
+        self.assertEqual(self.daemon.get("/app.js", Accept_Encoding="gzip").headers["Content-Encoding"], "gzip")
+
+    def test_headers_of_every_answer(self):
+        for path, status in (("/", 200), ("/v1", 200), ("/nowhere", 404)):
+            headers = self.daemon.get(path).headers
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertIn("default-src 'self'", headers["Content-Security-Policy"])
+            self.assertTrue(headers["X-Request-Id"])
+            self.assertIsNone(headers["Server"])
+
+    def test_request_id(self):
+        self.assertEqual(self.daemon.get("/v1", X_Request_Id="abc-1.2_Z").headers["X-Request-Id"], "abc-1.2_Z")
+        for odd in ("a b", "x" * 65, 'a"b', "\u00e9"):
+            made = self.daemon.get("/v1", X_Request_Id=odd.encode("latin-1")).headers["X-Request-Id"]
+            self.assertNotEqual(made, odd)
+            self.assertRegex(made, r"^[A-Za-z0-9._-]{1,64}$")
+
+    def test_log(self):
+        trace = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"
+        self.daemon.get('/v1/meshes/no"body\\', X_Request_Id="logged", traceparent=trace)
+        deadline = time.monotonic() + 5
+        while not (found := [line for line in self.daemon.log if line.get("request_id") == "logged"]):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        line = found[0]
+        self.assertEqual((line["status"], line["code"], line["traceparent"]), (400, "invalid_request", trace))
+
+    def test_options(self):
+        answer = self.daemon.request("OPTIONS", "/v1/meshes")
+        self.assertEqual((answer.status, answer.headers["Allow"]), (204, "GET, HEAD, POST, OPTIONS"))
+        self.assertEqual(self.daemon.request("DELETE", "/v1").headers["Allow"], "GET, HEAD")
+
+    def test_metrics(self):
+        self.daemon.put("counted", SQUARE)
+        text = self.daemon.get("/metrics").body.decode()
+        self.assertIn('geodesicd_requests_total{method="PUT",route="/v1/meshes/{name}",status="201"} 1\n', text)
+        self.assertIn('geodesicd_request_seconds_count{method="PUT",route="/v1/meshes/{name}"} 1\n', text)
+        names = [line.split()[2] for line in text.splitlines() if line.startswith("# TYPE")]
+        self.assertEqual(len(names), len(set(names)))
+        for line in text.splitlines():
+            self.assertRegex(line, r"^(# (HELP|TYPE) geodesicd_\w+ .+|geodesicd_\w+(\{[^{}]*(\{\w+\}[^{}]*)*\})? \S+)$")
+
+    def test_keep_alive(self):
+        connection = self.daemon.connect()
+        for path in ("/livez", "/nowhere", "/v1/meshes", "/v1/meshes/nobody"):
+            answer = self.daemon.request("GET", path, connection=connection)
+            self.assertNotEqual(answer.headers["Connection"], "close", path)
+        connection.close()
+
+    def test_pipelined_requests_are_answered_in_order(self):
+        self.daemon.put("piped", SQUARE)
+        targets = ("/livez", "/v1/meshes/piped/content", "/nowhere", "/v1/meshes/piped/distance?from=v:0&to=v:2", "/livez")
+        text = "".join(f"GET {t} HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: p{i}\r\n\r\n" for i, t in enumerate(targets))
+        received = self.daemon.raw(text.encode()[:-2] + b"Connection: close\r\n\r\n").decode()
+        ids = [line.split()[1] for line in received.splitlines() if line.startswith("X-Request-Id")]
+        self.assertEqual(ids, ["p0", "p1", "p2", "p3", "p4"])
+
+
+class Guard(TestCase):
+    flags = ("--allowed-host", "meshes.example,other.example")
+
+    def test_hosts(self):
+        for host in ("localhost", "LOCALHOST:80", "127.0.0.1", "127.9.9.9:1", "[::1]:8080", "meshes.example", "other.example:443"):
+            self.assertEqual(self.daemon.get("/v1", Host=host).status, 200, host)
+        for host in ("evil.example", "localhost.evil.example", "evil.example:8080", "10.0.0.1", "[::2]", "", "localhost:x", "::1",
+                     "meshes.example.evil", "localhost@evil.example", "127.0.0.1.evil.example"):
+            self.assert_problem(self.daemon.get("/v1", Host=host), 403, "forbidden")
+
+    def test_origins(self):
+        for origin in ("http://evil.example", "null", "http://localhost:1", "https://meshes.example:444", ""):
+            answer = self.daemon.get("/v1", Host="localhost:8080", Origin=origin)
+            self.assert_problem(answer, 403, "forbidden")
+            self.assertIsNone(answer.headers["Access-Control-Allow-Origin"])
+        self.assertEqual(self.daemon.get("/v1", Host="localhost:8080", Origin="http://localhost:8080").status, 200)
+
+    def test_sites(self):
+        self.assert_problem(self.daemon.get("/v1", Sec_Fetch_Site="cross-site"), 403, "forbidden")
+        for site in ("same-origin", "none"):
+            self.assertEqual(self.daemon.get("/v1", Sec_Fetch_Site=site).status, 200)
+
+    def test_a_foreign_page_changes_nothing(self):
+        self.daemon.put("safe", SQUARE)
+        answer = self.daemon.request("DELETE", "/v1/meshes/safe", headers={"Origin": "http://evil.example"})
+        self.assert_problem(answer, 403, "forbidden")
+        self.assert_problem(self.daemon.put("planted", SQUARE, Sec_Fetch_Site="cross-site"), 403, "forbidden")
+        self.assertEqual([mesh["name"] for mesh in self.daemon.get("/v1/meshes").json["meshes"]], ["safe"])
+
+
+class Lanes(TestCase):
+    flags = ("--workers", "1", "--queue-length", "2", "--http-threads", "2")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("slow", slow_mesh())
+        cls.daemon.put("square", SQUARE)
+        cls.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
+
+    def ask(self, source, target="p:9,9,0", options=""):
+        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to={target}{options}")
+
+    def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            first = pool.submit(self.ask, 600)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(first.done(), "too fast to watch")
+            answers = all_of(10, lambda _: self.ask(600))
+        self.assertEqual([answer.status for answer in answers], [200] * 10)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
+
+    def test_overload_is_told_at_once(self):
+        with concurrent.futures.ThreadPoolExecutor(12) as pool:
+            asked = [pool.submit(self.ask, source) for source in range(100, 112)]
+            answers = [future.result() for future in asked]
+        refused = [answer for answer in answers if answer.status == 503]
+        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 3)
+        self.assertGreater(len(refused), 0)
+        for answer in refused:
+            self.assert_problem(answer, 503, "overloaded")
+            self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
+
+    def test_the_first_lane_stays_open(self):
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            slow = pool.submit(self.ask, 200)
+            while not self.daemon.metric("workers_busy"):
+                self.assertFalse(slow.done(), "too fast to watch")
+            for path in ("/livez", "/v1/meshes/square", "/v1/meshes/square/distance?from=v:0&to=v:2",
+                         "/v1/meshes/slow/nearest?point=p:0.5,0.5,3"):
+                self.assertEqual(self.daemon.get(path).status, 200)
+            self.assertFalse(slow.done(), "too fast to watch")
+            self.assertEqual(slow.result().status, 200)
+
+    def test_deadline_of_the_work(self):
+        started = time.monotonic()
+        self.assert_problem(self.ask(300, options="&timeout_ms=20"), 504, "deadline_exceeded")
+        self.assertLess(time.monotonic() - started, 2)
+
+    def test_deadline_while_waiting(self):
+        """A request that waits, for a worker or for a field that is being built, is answered at its own deadline."""
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            slow = pool.submit(self.ask, 400)
+            while not self.daemon.metric("workers_busy"):
+                self.assertFalse(slow.done(), "too fast to watch")
+            self.assert_problem(self.ask(401, options="&timeout_ms=20"), 504, "deadline_exceeded")
+            self.assertFalse(slow.done(), "too fast to watch")
+            slow.result()
+
+    def test_a_client_that_went_away_frees_its_worker(self):
+        connection = socket.create_connection(("127.0.0.1", self.daemon.port))
+        connection.sendall(b"GET /v1/meshes/slow/distance?from=v:500&to=p:9,9,0 HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        while not self.daemon.metric("workers_busy"):
+            pass
+        connection.close()
+        while self.daemon.metric("workers_busy"):
+            pass
+        self.assertEqual(self.daemon.metric("requests_deferred"), 0)
+        fields = self.daemon.metric("cache_fields")
+        self.ask(500)
+        self.assertEqual(self.daemon.metric("cache_fields") - fields, 1, "its field had been built in spite of it")
+
+
+class Waiting(TestCase):
+    flags = ("--workers", "2")
+
+    def test_one_build_for_all_who_ask_at_the_same_time(self):
+        self.daemon.put("ball", sample("icosphere", level=5))
+        builds = self.daemon.metric("cache_builds_total")
+        answers = all_of(50, lambda _: self.daemon.get("/v1/meshes/ball/path?from=v:77&to=p:0,0,-9"))
+        self.assertEqual({answer.status for answer in answers}, {200})
+        self.assertEqual(len({answer.body for answer in answers}), 1)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
+
+    def test_who_waits_for_a_field_has_a_deadline_of_its_own(self):
+        self.daemon.put("slow", slow_mesh())
+        url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
+        builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            slow = pool.submit(self.daemon.get, url)
+            while self.daemon.metric("cache_builds_total") == builds:
+                pass
+            self.assert_problem(self.daemon.get(url + "&timeout_ms=30"), 504, "deadline_exceeded")
+            self.assertFalse(slow.done(), "too fast to watch")
+            self.assertEqual(slow.result().status, 200)
+        self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 1)
+
+    def test_when_the_builder_gives_up_another_takes_over(self):
+        self.daemon.put("slow", slow_mesh())
+        url = "/v1/meshes/slow/distance?from=v:6&to=p:9,9,0"
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            hasty = pool.submit(self.daemon.get, url + "&timeout_ms=60")
+            while self.daemon.metric("cache_builds_total") == builds:
+                pass
+            patient = self.daemon.get(url)
+            self.assert_problem(hasty.result(), 504, "deadline_exceeded")
+        self.assertEqual(patient.status, 200)
+
+
+class Memory(TestCase):
+    flags = ("--memory-budget", "72MiB", "--max-body", "8MiB", "--workers", "2")
+
+    def test_fields_are_evicted_and_meshes_refused(self):
+        self.assertEqual(self.daemon.put("ball", sample("icosphere", level=5)).status, 201)
+        for source in range(0, 200, 10):
+            self.assertEqual(self.daemon.get(f"/v1/meshes/ball/distance?from=v:{source}&to=p:0,0,-9").status, 200)
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+        problem = self.assert_problem(self.daemon.put("large", sample("icosphere", level=7)[: 8 << 20]), 507, "insufficient_memory")
+        self.assertEqual(problem["limit"], 72 << 20)
+        self.assertEqual(self.daemon.get("/v1/meshes/ball/distance?from=v:3&to=p:0,0,-9").status, 200)
+        self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+
+
+class Drain(unittest.TestCase):
+    def busy(self, *flags):
+        """A daemon with a query under way, the query, and a connection that is open."""
+        daemon = Daemon("--workers", "1", *flags)
+        daemon.put("slow", slow_mesh())
+        pool = concurrent.futures.ThreadPoolExecutor(2)
+        query = pool.submit(daemon.get, "/v1/meshes/slow/distance?from=v:0&to=p:9,9,0")
+        connection = daemon.connect()
+        while not daemon.metric("workers_busy"):
+            pass
+        daemon.request("GET", "/livez", connection=connection)
+        return daemon, query, connection
+
+    def test_what_is_under_way_is_finished(self):
+        daemon, query, connection = self.busy()
+        daemon.terminate()
+        while "draining" not in [line["event"] for line in daemon.log]:
+            time.sleep(0.001)
+        ready = daemon.request("GET", "/readyz", connection=connection)
+        self.assertEqual((ready.status, ready.json, ready.headers["Connection"]), (503, {"status": "draining"}, "close"))
+        with self.assertRaises(OSError):
+            daemon.get("/livez")
+        self.assertFalse(query.done(), "too fast to watch")
+        self.assertEqual(query.result().status, 200)
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_what_does_not_end_in_time_is_cancelled_and_told(self):
+        daemon, query, _ = self.busy("--drain-ms", "10")
+        daemon.terminate()
+        answer = query.result()
+        self.assertEqual((answer.status, answer.json["code"]), (503, "draining"))
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_interrupt_ends_it_too(self):
+        daemon = Daemon()
+        daemon.process.send_signal(signal.SIGINT)
+        self.assertEqual(daemon.stop(), 0)
+        self.assertEqual(daemon.log[-1]["event"], "stopped")
+
+
+class Crowd(TestCase):
+    flags = ("--workers", "2", "--http-threads", "2", "--memory-budget", "64MiB", "--max-body", "4MiB")
+
+    def test_everything_at_the_same_time(self):
+        """Uploads, replacements, queries and deletions of the same few names: every answer is one of those that are allowed."""
+        files = [sample("icosphere", level=3), sample("torus"), sample("grid", columns=16, rows=16)]
+        allowed = {"PUT": {200, 201}, "GET": {200, 400, 404}, "DELETE": {204, 404}}
+        wrong, until = [], time.monotonic() + 3
+
+        def client(number):
+            step = number
+            while time.monotonic() < until:
+                step += 1
+                name = f"m{step % 3}"
+                method = ("PUT", "GET", "GET", "GET", "GET", "DELETE")[step % 6 if number % 2 else step % 5]
+                path = f"/v1/meshes/{name}"
+                if method == "GET":
+                    path += f"/path?from=v:{step * 7 % 300}&to=v:{step * 13 % 300}"
+                answer = self.daemon.request(method, path, files[(step // 3) % 3] if method == "PUT" else None)
+                if answer.status not in allowed[method]:
+                    wrong.append((method, path, answer))
+
+        threads = [threading.Thread(target=client, args=(number,)) for number in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,73 @@
+/* Fuzzes the readers, and the writers behind them. The first byte picks the format (modulo their number, 0: recognise), the rest is the
+ * file. Whatever is read must keep its promises and survive the way through every writer that keeps doubles. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/io.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* A violated promise ends the run: the fuzzer keeps the input. */
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+static void check_promises(const struct gd_polygons *polygons, const struct gd_read_limits *limits)
+{
+    uint64_t triangles = 0;
+    require(polygons->polygon_count > 0 && polygons->position_count <= limits->max_vertices);
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        uint32_t corners = gd_polygons_first(polygons, i + 1) - gd_polygons_first(polygons, i);
+        require(corners >= 3 && corners <= gd_polygons_corner_count(polygons));
+        triangles += corners - 2;
+    }
+    require(triangles <= limits->max_faces);
+    for (uint32_t i = 0; i < gd_polygons_corner_count(polygons); i++)
+        require(polygons->corners[i] < polygons->position_count);
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        for (int axis = 0; axis < 3; axis++) require(polygons->positions[i][axis] - polygons->positions[i][axis] == 0);
+    }
+}
+
+static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b)
+{
+    require(a->position_count == b->position_count && a->polygon_count == b->polygon_count);
+    require(gd_polygons_corner_count(a) == gd_polygons_corner_count(b));
+    require(memcmp(a->positions, b->positions, a->position_count * sizeof *a->positions) == 0);
+    require(memcmp(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners) == 0);
+    for (uint32_t i = 0; i < a->polygon_count; i++) require(gd_polygons_first(a, i) == gd_polygons_first(b, i));
+}
+
+static void check_round_trip(const struct gd_polygons *polygons, enum gd_format format)
+{
+    char *bytes;
+    size_t size;
+    struct gd_polygons back;
+    enum gd_status status = gd_write_polygons(polygons, format, &bytes, &size);
+    if (format == GD_FORMAT_STL && (status == GD_NOT_TRIANGLES || status == GD_NON_FINITE)) return;
+    require(status == GD_OK);
+    require(gd_format_recognise(bytes, size) == format);
+    require(gd_read_polygons(bytes, size, format, NULL, &back, NULL) == GD_OK);
+    free(bytes);
+    if (format != GD_FORMAT_STL) check_equal(polygons, &back);
+    gd_polygons_free(&back);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const struct gd_read_limits limits = {.max_faces = 4096, .max_vertices = 4096};
+    if (size == 0) return 0;
+    enum gd_format format = (enum gd_format)(data[0] % (GD_FORMAT_JSON + 1));
+    struct gd_polygons polygons;
+    struct gd_detail detail = {.text = ""};
+    enum gd_status status = gd_read_polygons(data + 1, size - 1, format, &limits, &polygons, &detail);
+    if (status != GD_OK) {
+        require(detail.text[0] != '\0' && status != GD_INTERNAL);
+        return 0;
+    }
+    check_promises(&polygons, &limits);
+    for (format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++) check_round_trip(&polygons, format);
+    gd_polygons_free(&polygons);
+    return 0;
+}

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Runs fuzz targets from their corpora for a while each, two at a time.
+
+usage: tests/fuzz/run.py --seconds N PROGRAM...
+
+fuzz_NAME starts from tests/fuzz/corpus/NAME, which it does not change. Prints `ok NAME` or `not ok NAME` with executions and coverage; what a
+target found is left in the program's folder.
+"""
+import argparse
+import concurrent.futures
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+
+def fuzz(program, seconds):
+    name = program.name.removeprefix("fuzz_")
+    grown = program.parent / "corpus" / name
+    grown.mkdir(parents=True, exist_ok=True)
+    command = [program.resolve(), f"-max_total_time={seconds}", "-max_len=4096", "-timeout=5", "-rss_limit_mb=1024",
+               f"-artifact_prefix={program.parent.resolve()}/{name}-", grown.resolve(),
+               pathlib.Path("tests/fuzz/corpus", name).resolve()]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          errors="replace")
+    runs = re.findall(r"Done (\d+) runs", done.stdout)
+    coverage = re.findall(r"cov: (\d+)", done.stdout)
+    figures = f"{runs[-1] if runs else '?'} executions, {coverage[-1] if coverage else '?'} edges covered"
+    return name, done.returncode, figures, done.stdout
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--seconds", type=int, default=60)
+    arguments.add_argument("programs", nargs="+", type=pathlib.Path)
+    options = arguments.parse_args()
+    failed = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        for name, status, figures, output in pool.map(lambda p: fuzz(p, options.seconds), options.programs):
+            print(f"{'not ok' if status else 'ok'} fuzz_{name}")
+            print(f"# fuzz_{name}: {figures}")
+            if status:
+                failed += 1
+                print(output[-4000:])
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,203 @@
+/* Meshes that no one here made, where they are at hand: the folder named by GEODESICD_SHARED, or ../shared beside
+ * the project, with meshes/ and data/reference.json. Skipped elsewhere. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "gd/field.h"
+#include "gd/io.h"
+#include "tests/support/laws.h"
+
+static const double promise = 1e-9;
+
+enum { PAIRS = 3, MAX_TARGETS = 64, PATH_LENGTH = 4096 };
+
+static const char *shared_folder(void)
+{
+    const char *named = getenv("GEODESICD_SHARED");
+    return named ? named : "../shared";
+}
+
+/* The bytes of a file of the folder, or the end of the test when the folder is not there. */
+static char *read_shared(const char *name, size_t *size)
+{
+    char path[PATH_LENGTH];
+    struct stat folder;
+    if (stat(shared_folder(), &folder) != 0) {
+        print_message("# skipped: there is no folder %s\n", shared_folder());
+        skip();
+    }
+    snprintf(path, sizeof path, "%s/%s", shared_folder(), name);
+    char *bytes = test_read_file(path, size);
+    assert_non_null(bytes);
+    return bytes;
+}
+
+static struct gd_polygons read_mesh(const char *name)
+{
+    char file[64];
+    size_t size;
+    snprintf(file, sizeof file, "meshes/%s.obj", name);
+    char *bytes = read_shared(file, &size);
+    struct gd_polygons polygons = {0};
+    struct gd_detail detail = {0};
+    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, &detail), &detail);
+    free(bytes);
+    return polygons;
+}
+
+/* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x, "agree": x}…]…}
+ * ---------------- */
+
+struct reference {
+    uint32_t source, count;
+    double targets[MAX_TARGETS], distances[MAX_TARGETS];
+};
+
+static uint32_t scan_numbers(const char *text, double *out)
+{
+    uint32_t count = 0;
+    for (text = strchr(text, '['); text && *text != ']' && count < MAX_TARGETS; count++) {
+        char *end;
+        out[count] = strtod(text + 1, &end);
+        text = end + strcspn(end, ",]");
+    }
+    return count;
+}
+
+/* The bracket that closes the first one of the text. */
+static const char *list_end(const char *text)
+{
+    int depth = 0;
+    for (text = strchr(text, '['); *text; text++) {
+        depth += (*text == '[') - (*text == ']');
+        if (depth == 0) break;
+    }
+    return text;
+}
+
+/* The next reference before `end`, or NULL; returns where to go on. */
+static const char *scan_reference(const char *text, const char *end, struct reference *out)
+{
+    const char *source = strstr(text, "\"source\":");
+    if (!source || source >= end) return NULL;
+    const char *targets = strstr(source, "\"targets\":"), *distances = strstr(source, "\"distances\":");
+    assert_true(targets && distances);
+    out->source = (uint32_t)strtoul(source + strlen("\"source\":"), NULL, 10);
+    out->count = scan_numbers(targets, out->targets);
+    assert_int_equal(scan_numbers(distances, out->distances), out->count);
+    return distances;
+}
+
+/* --- tests
+ * ------------------------------------------------------------------------------------------------------------- */
+
+static double compare(const struct gd_mesh *mesh, const struct reference *reference)
+{
+    struct gd_seed seed = {0};
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){reference->source}, &seed.point, NULL), NULL);
+    struct gd_field *field = NULL;
+    check_ok(
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, NULL),
+        NULL);
+    double worst = 0;
+    for (uint32_t i = 0; i < reference->count; i++) {
+        struct gd_point target = {0};
+        double distance = NAN;
+        check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){(uint32_t)reference->targets[i]}, &target, NULL), NULL);
+        check_ok(gd_field_distance(field, &target, &distance), NULL);
+        worst = fmax(worst, check_close(distance, reference->distances[i], promise));
+        worst = fmax(worst, check_close(law_distance(mesh, target, seed.point), reference->distances[i], promise));
+    }
+    gd_field_release(field);
+    return worst;
+}
+
+static void check_laws(const struct gd_mesh *mesh, const struct gd_polygons *polygons)
+{
+    struct rng rng = {polygons->polygon_count};
+    double worst = 0;
+    for (int i = 0; i < PAIRS; i++) {
+        struct gd_point p = test_point(mesh, test_random_place(polygons, &rng));
+        struct gd_point q = test_point(mesh, test_random_place(polygons, &rng));
+        struct gd_point r = test_point(mesh, test_random_place(polygons, &rng));
+        worst = fmax(worst, fmax(law_metric(mesh, p, q, r), law_path(mesh, polygons, p, q)));
+    }
+    print_message("#   laws to %.2g\n", worst);
+}
+
+static void test_references(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"spot", "fandisk", "homer", "rocker-arm", "stanford-bunny"};
+    size_t size;
+    char *json = read_shared("data/reference.json", &size);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char key[64];
+        snprintf(key, sizeof key, "\"%s\":", names[i]);
+        const char *text = strstr(json, key);
+        assert_non_null(text);
+        const char *end = list_end(text);
+        struct gd_polygons polygons = read_mesh(names[i]);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct reference reference;
+        uint32_t compared = 0;
+        double worst = 0;
+        for (; (text = scan_reference(text, end, &reference)); compared += reference.count)
+            worst = fmax(worst, compare(mesh, &reference));
+        assert_true(compared > 0);
+        print_message("# %s: %u distances, worst error %.2g\n", names[i], compared, worst);
+        check_laws(mesh, &polygons);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+    free(json);
+}
+
+static void test_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        enum gd_status status;
+    } refused[] = {
+        {"teapot", GD_NON_MANIFOLD_VERTEX}, {"cow", GD_NON_MANIFOLD_VERTEX}, {"beetle", GD_NON_MANIFOLD_EDGE}};
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        struct gd_polygons polygons = read_mesh(refused[i].name);
+        struct gd_mesh *mesh = NULL;
+        struct gd_detail detail = {0};
+        assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, &detail), refused[i].status);
+        assert_null(mesh);
+        assert_true(detail.total > 0);
+        gd_polygons_free(&polygons);
+    }
+}
+
+static void test_polygons(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        uint32_t faces, components;
+    } accepted[] = {{"suzanne", 968, 3}, {"beast", 64618, 0}};
+    for (size_t i = 0; i < sizeof accepted / sizeof *accepted; i++) {
+        struct gd_polygons polygons = read_mesh(accepted[i].name);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        assert_int_equal(gd_mesh_summary(mesh)->faces, accepted[i].faces);
+        if (accepted[i].components) assert_int_equal(gd_mesh_summary(mesh)->components, accepted[i].components);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_references),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_polygons),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

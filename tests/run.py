@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Runs test programs and says in the end how many tests passed.
+
+usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
+
+A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok NAME` / `not ok NAME` / `skip NAME`.
+What a program prints is shown when it fails, and its lines that begin with `# ` (figures worth reporting) always.
+The last line is `N passed, N failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
+"""
+import argparse
+import concurrent.futures
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+
+OK = re.compile(r"^ok\b(?!.*# SKIP)", re.M | re.I)
+NOT_OK = re.compile(r"^not ok\b", re.M)
+SKIP = re.compile(r"^(ok\b.*# SKIP|skip\b)", re.M | re.I)
+
+
+def run(command, timeout):
+    started = time.monotonic()
+    environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP")
+    try:
+        done = subprocess.run(shlex.split(command), env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, timeout=timeout, text=True, errors="replace")
+        output, status = done.stdout, done.returncode
+    except subprocess.TimeoutExpired as late:
+        output = (late.stdout or b"").decode(errors="replace") + f"\nno end after {timeout} s\n"
+        status = -1
+    passed, failed, skipped = (len(pattern.findall(output)) for pattern in (OK, NOT_OK, SKIP))
+    if status != 0 and not failed:  # crashed, timed out, or a sanitizer spoke
+        failed = 1
+    return command, output, passed, failed, skipped, time.monotonic() - started
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    arguments.add_argument("--timeout", type=float, default=600)
+    arguments.add_argument("programs", nargs="+")
+    options = arguments.parse_args()
+    total = [0, 0, 0]
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        for future in [pool.submit(run, program, options.timeout) for program in options.programs]:
+            command, output, passed, failed, skipped, seconds = future.result()
+            total = [total[0] + passed, total[1] + failed, total[2] + skipped]
+            print(f"{'FAIL' if failed else 'ok  '} {command}  {passed} passed, {failed} failed, {skipped} skipped, {seconds:.1f} s")
+            for line in output.splitlines() if failed else [x for x in output.splitlines() if re.match(r"# (?!ok|not ok)", x)]:
+                print("     " + line)
+            sys.stdout.flush()
+    print(f"{total[0]} passed, {total[1]} failed, {total[2]} skipped")
+    return 0 if total[0] and not total[1] else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,38 @@
+/* A small deterministic generator of random numbers (splitmix64): the same seed gives the same sample on every
+ * machine. */
+#ifndef TESTS_SAMPLES_RANDOM_H
+#define TESTS_SAMPLES_RANDOM_H
+
+#include <stdint.h>
+
+struct rng {
+    uint64_t state; /* the seed; any value will do */
+};
+
+static inline uint64_t rng_next(struct rng *rng)
+{
+    uint64_t z = rng->state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/* Uniform in [0,1). */
+static inline double rng_unit(struct rng *rng)
+{
+    return (double)(rng_next(rng) >> 11) * 0x1p-53;
+}
+
+/* Uniform in [low,high). */
+static inline double rng_between(struct rng *rng, double low, double high)
+{
+    return low + (high - low) * rng_unit(rng);
+}
+
+/* Uniform in 0 … count - 1; count > 0. */
+static inline uint32_t rng_below(struct rng *rng, uint32_t count)
+{
+    return (uint32_t)(((rng_next(rng) >> 32) * count) >> 32);
+}
+
+#endif

@@ -1,0 +1,244 @@
+#include "tests/support/test.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/number.h"
+
+#define COUNT(array) (sizeof(array) / sizeof *(array))
+
+static uint64_t bits_of(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+static void check_parse(const char *text, double expected, size_t length)
+{
+    double value = 77;
+    const char *end = gd_number_parse(text, text + strlen(text), &value);
+    if (!end || (size_t)(end - text) != length) fail_msg("'%s' should end after %zu bytes", text, length);
+    if (bits_of(value) != bits_of(expected)) fail_msg("'%s' is read as %.17g, not %.17g", text, value, expected);
+}
+
+static void parses_correctly_rounded(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"0",
+                                        "-0",
+                                        "1",
+                                        "16777217",
+                                        "0.1",
+                                        "1e-320",
+                                        "4.9406564584124654e-324",
+                                        "2.4703282292062328e-324",
+                                        "1.7976931348623157e308",
+                                        "1.7976931348623158e308",
+                                        "123456789012345678901234567890",
+                                        "9007199254740993",
+                                        "9007199254740992.99999999999999999999999999999999999",
+                                        "9007199254740993.00000000000000000000000000000000001",
+                                        "2.2250738585072011e-308",
+                                        "2.2250738585072014e-308",
+                                        "6.631236846766476e-316",
+                                        "8.5e22",
+                                        "1e23",
+                                        ".5",
+                                        "5.",
+                                        "00012",
+                                        "-3.5E+10",
+                                        "1e-5",
+                                        "0e999999999999999999999",
+                                        "0.000e-99999999999"};
+    for (size_t i = 0; i < COUNT(texts); i++) check_parse(texts[i], strtod(texts[i], NULL), strlen(texts[i]));
+}
+
+static void parses_what_is_out_of_range(void **state)
+{
+    (void)state;
+    check_parse("1e309", INFINITY, 5);
+    check_parse("-1.8e308", -INFINITY, 8);
+    check_parse("1e99999999999999999999", INFINITY, 22);
+    check_parse("1e-400", 0, 6);
+    check_parse("-1e-400", -0.0, 7);
+    check_parse("2e-324", 0, 6);
+    check_parse("1e-99999999999999999999", 0, 23);
+    check_parse("+1e+309", INFINITY, 7);
+
+    static char text[1000];
+    memset(text, '0', sizeof text - 1); /* 0.00...01 */
+    text[1] = '.';
+    text[sizeof text - 2] = '1';
+    check_parse(text, 0, sizeof text - 1);
+    memset(text, '1', sizeof text - 1); /* 11...1 */
+    check_parse(text, INFINITY, sizeof text - 1);
+    memcpy(text + sizeof text - 6, "e-994", 6); /* 11...1e-994: back in range */
+    check_parse(text, strtod(text, NULL), sizeof text - 1);
+}
+
+static void stops_where_the_number_ends(void **state)
+{
+    (void)state;
+    check_parse("1x", 1, 1);
+    check_parse("1.5.2", 1.5, 3);
+    check_parse("1e", 1, 1);
+    check_parse("1e+", 1, 1);
+    check_parse("0x1p3", 0, 1);
+    check_parse("+2", 2, 2);
+    double value = 77;
+    static const char *const none[] = {"", "+", "-", ".", "e5", "x", "+-1", "-+1", "++1", "--1", " 1", "+inf", "+ 1"};
+    for (size_t i = 0; i < COUNT(none); i++) {
+        if (gd_number_parse(none[i], none[i] + strlen(none[i]), &value)) fail_msg("'%s' is no number", none[i]);
+    }
+    const char *text = "12345";
+    assert_ptr_equal(gd_number_parse(text, text + 3, &value), text + 3);
+    assert_true(value == 123);
+}
+
+static const char *printed(double value)
+{
+    static char text[GD_NUMBER_SIZE + 1];
+    char *end = gd_number_format(text, value);
+    assert_in_range(end - text, 1, GD_NUMBER_SIZE);
+    *end = '\0';
+    return text;
+}
+
+static void prints_as_people_write(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        const char *text;
+    } cases[] = {
+        {0, "0"},
+        {-0.0, "-0"},
+        {1, "1"},
+        {-1.5, "-1.5"},
+        {100, "100"},
+        {0.1, "0.1"},
+        {1.0 / 3, "0.3333333333333333"},
+        {123.456, "123.456"},
+        {0.000001, "0.000001"},
+        {9.5e-7, "9.5e-7"},
+        {1e-7, "1e-7"},
+        {1e16, "10000000000000000"},
+        {12345678901234568, "12345678901234568"},
+        {1e17, "1e17"},
+        {1.5e300, "1.5e300"},
+        {1e23, "1e23"},
+        {9007199254740991, "9007199254740991"},
+        {9007199254740993.0, "9007199254740992"},
+        {DBL_MAX, "1.7976931348623157e308"},
+        {DBL_MIN, "2.2250738585072014e-308"},
+        {5e-324, "5e-324"},
+        {-2.2250738585072009e-308, "-2.225073858507201e-308"},
+        {2.9802322387695312e-8, "2.9802322387695312e-8"},
+        {5e-324 * 3, "1.5e-323"},
+        {2251799813685248.5, "2251799813685248.5"},
+        {0x1p-1022 - 0x1p-1074, "2.225073858507201e-308"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) assert_string_equal(printed(cases[i].value), cases[i].text);
+}
+
+/* Digits of a decimal text without sign, point, exponent, leading and trailing zeros. */
+static size_t digits_of(const char *text, char *out)
+{
+    size_t count = 0;
+    for (; *text && *text != 'e'; text++) {
+        if (*text >= '0' && *text <= '9' && (count > 0 || *text != '0')) out[count++] = *text;
+    }
+    while (count > 0 && out[count - 1] == '0') count--;
+    out[count] = '\0';
+    return count;
+}
+
+/* The fewest digits with which the C library's nearest decimal reads back as `value`. */
+static size_t reference_digits(double value, char *out)
+{
+    char text[40];
+    for (int digits = 1;; digits++) {
+        snprintf(text, sizeof text, "%.*e", digits - 1, value);
+        if (digits == 17 || strtod(text, NULL) == value) return digits_of(text, out);
+    }
+}
+
+/* Reads back, is as short as the reference, and the same digits. Below a power of two the doubles stand closer than
+ * above it: there a decimal may be shorter than the reference, which looks at the nearest decimal of each length only.
+ */
+static void assert_shortest(double value)
+{
+    char digits[40], reference[40];
+    const char *text = printed(value);
+    check_parse(text, value, strlen(text));
+    assert_true(bits_of(strtod(text, NULL)) == bits_of(value));
+    size_t count = digits_of(text, digits), fewest = reference_digits(value, reference);
+    bool power_of_two = (bits_of(value) & ((UINT64_C(1) << 52) - 1)) == 0;
+    assert_true(count == fewest || (power_of_two && count < fewest));
+    if (count == fewest && !power_of_two) assert_string_equal(digits, reference);
+}
+
+static uint64_t next_random(uint64_t *state)
+{
+    *state ^= *state << 13;
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    return *state * UINT64_C(0x2545f4914f6cdd1d);
+}
+
+/* By turns: any bits at all, few significant bits, [0,1), decimals of few digits. */
+static double random_double(uint64_t *state, long turn)
+{
+    uint64_t bits = next_random(state);
+    double value;
+    if (turn % 4 == 1) bits &= ~((UINT64_C(1) << next_random(state) % 53) - 1);
+    if (turn % 4 == 2) return (double)(bits >> 11) * 0x1p-53;
+    if (turn % 4 == 3) return (double)(bits % 1000000) / 1000;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* GD_NUMBER_RUNS=10000000 for the long form. */
+static void prints_shortest(void **state)
+{
+    (void)state;
+    const char *runs = getenv("GD_NUMBER_RUNS");
+    uint64_t seed = 88172645463325252u;
+    for (long turn = 0, end = runs ? atol(runs) : 200000; turn < end; turn++) {
+        double value = random_double(&seed, turn);
+        if (isfinite(value) && value != 0) assert_shortest(value);
+    }
+}
+
+static void prints_every_power_shortest(void **state)
+{
+    (void)state;
+    for (int e = -1074; e < 1024; e++) {
+        double value = ldexp(1, e);
+        assert_shortest(value);
+        assert_shortest(nextafter(value, INFINITY));
+        if (e > -1074) assert_shortest(nextafter(value, 0));
+    }
+    for (int e = -323; e <= 308; e++) {
+        char text[16];
+        snprintf(text, sizeof text, "1e%d", e);
+        assert_shortest(strtod(text, NULL));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parses_correctly_rounded),
+        cmocka_unit_test(parses_what_is_out_of_range),
+        cmocka_unit_test(stops_where_the_number_ends),
+        cmocka_unit_test(prints_as_people_write),
+        cmocka_unit_test(prints_shortest),
+        cmocka_unit_test(prints_every_power_shortest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,342 @@
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "field/layout.h"
+#include "gd/field.h"
+#include "tests/samples/samples.h"
+
+static struct gd_field *field_of(const struct gd_mesh *mesh, struct gd_point source)
+{
+    struct gd_seed seed = {.point = source};
+    struct gd_field *field;
+    struct gd_detail detail = {0};
+    check_ok(
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
+        &detail);
+    return field;
+}
+
+static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
+{
+    struct gd_point point;
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
+    return point;
+}
+
+/* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on e2. */
+static void example_1(void **state)
+{
+    (void)state;
+    double positions[8][3] = {{0.5, 0.5, 1.5}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1},
+                              {1, 1, 0},       {1, 0, 0}, {0, 0, 0}, {0.5, 0.5, -0.5}};
+    uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3, 2, 4, 3, 2, 5, 4, 5, 6, 7, 4, 5, 7};
+    struct gd_mesh *mesh = test_mesh(
+        &(struct gd_polygons){.positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners});
+    struct gd_field *field = field_of(mesh, vertex(mesh, 0));
+    struct gd_wedge *wedges;
+    uint32_t count, direct = 0;
+    /* e3: every wedge of v0 is w1, whose source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5: 1 down the cube, the pyramid's slant beyond */
+    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){6}, &wedges, &count), NULL);
+    double slant = sqrt(0.5), height = 1 + slant;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!wedges[i].at_vertex || wedges[i].source != 0) continue;
+        direct++;
+        check_close(wedges[i].d0, hypot(wedges[i].b0 - 0.5, height), 1e-9);
+        check_close(wedges[i].d1, hypot(wedges[i].b1 - 0.5, height), 1e-9);
+    }
+    assert_int_equal(direct, 1);
+    free(wedges);
+    /* e2: where w3 and w4 tie, one of them is kept: the wedges of v0 do not overlap and there is one */
+    check_ok(gd_field_wedges(field, (struct gd_vertex){5}, (struct gd_vertex){7}, &wedges, &count), NULL);
+    direct = 0;
+    for (uint32_t i = 0; i < count; i++) direct += wedges[i].at_vertex && wedges[i].source == 0;
+    assert_int_equal(direct, 1);
+    free(wedges);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
+/* The final lists: sorted, disjoint, within the edge; where two wedges meet, both give the same distance. */
+static void wedges_partition_their_edge(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_genus2(6, 0.05, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_field *field = field_of(mesh, vertex(mesh, 17));
+    uint64_t wedges = 0, joints = 0, gaps = 0;
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        double length = mesh->side[2 * e].length, end = 0;
+        for (uint32_t i = field->first[e]; i < field->first[e + 1]; i++) {
+            const struct gd__wedge *w = &field->wedges[i];
+            double b0 = w->b0 * GD__WEDGE_UNIT * length;
+            assert_true(i == field->first[e] ? w->b0 == 0 : w->b0 > w[-1].b0);
+            end = b0;
+            wedges++;
+            gaps += w->source == GD_NONE;
+            if (i == field->first[e] || w->source == GD_NONE || w[-1].source == GD_NONE) continue;
+            joints++;
+            double before = gd__field_sigma(field, w[-1].source) + hypot(b0 - w[-1].x, w[-1].y);
+            double after = gd__field_sigma(field, w->source) + hypot(b0 - w->x, w->y);
+            check_close(before, after, 1e-8);
+        }
+        assert_true(end < length);
+    }
+    print_message("# genus2: %u edges, %llu wedges, %llu joints, %llu gaps\n", mesh->edge_count,
+                  (unsigned long long)wedges, (unsigned long long)joints, (unsigned long long)gaps);
+    assert_int_equal(wedges, gd_field_statistics(field)->wedges);
+    assert_true(joints > mesh->edge_count);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Property 7: two correct wedges do not cross. Rays of different wedges, drawn back into the face where both are straight, do not meet. */
+static void correct_wedges_do_not_cross(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(24, 0.3, 7, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_field *field = field_of(mesh, vertex(mesh, 40));
+    struct rng rng = {9};
+    uint32_t pairs = 0;
+    for (int i = 0; i < 200000; i++) { /* two points of one face whose shortest paths enter it through the same edge */
+        uint32_t face = rng_below(&rng, mesh->face_count);
+        struct gd__leg leg[2];
+        struct gd__local at[2];
+        for (int k = 0; k < 2; k++) {
+            double a = rng_unit(&rng), b = rng_unit(&rng) * (1 - a);
+            struct gd_point point = {.kind = GD_POINT_FACE, .element = face, .weight = {a, b, 1 - a - b}};
+            leg[k] = gd__field_leg(field, &point);
+            int s = leg[k].kind == GD__LEG_WEDGE && mesh->face_side[face][1] == leg[k].side   ? 1
+                    : leg[k].kind == GD__LEG_WEDGE && mesh->face_side[face][2] == leg[k].side ? 2
+                                                                                              : 0;
+            at[k] = gd__face_local(mesh, mesh->face_side[face][s],
+                                   (double[3]){point.weight[s], point.weight[(s + 1) % 3], point.weight[(s + 2) % 3]});
+        }
+        if (leg[0].kind != GD__LEG_WEDGE || leg[1].kind != GD__LEG_WEDGE || leg[0].side != leg[1].side) continue;
+        if (leg[0].source == leg[1].source && fabs(leg[0].x - leg[1].x) < 1e-9 && fabs(leg[0].y - leg[1].y) < 1e-9)
+            continue;
+        pairs++;
+        /* segments (crossing, point) of both legs: opposite orientation on both means that they cross */
+        double c0 = leg[0].parameter, c1 = leg[1].parameter;
+        double left1 = (at[0].x - c0) * at[1].y - at[0].y * (at[1].x - c0),
+               left2 = (at[0].x - c0) * 0 - at[0].y * (c1 - c0);
+        double left3 = (at[1].x - c1) * at[0].y - at[1].y * (at[0].x - c1),
+               left4 = (at[1].x - c1) * 0 - at[1].y * (c0 - c1);
+        double tiny = 1e-9;
+        assert_false(left1 * left2 < -tiny && left3 * left4 < -tiny);
+    }
+    print_message("# Property 7: %u pairs of legs of different wedges compared\n", pairs);
+    assert_true(pairs > 1000);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* A source at 1e-16 … 1e-6 of a vertex or an edge, on any side of it: distances move by no more than the source does. */
+static void sources_close_to_a_vertex_or_an_edge(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_icosphere(2, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    uint32_t count = mesh->summary.index_count;
+    double *exact = malloc(sizeof *exact * count), *near = malloc(sizeof *near * count), worst = 0;
+    for (uint32_t face = 0; face < 12; face++) {
+        struct gd_vertex corner[3];
+        gd_mesh_corners(mesh, (struct gd_face){face}, corner);
+        for (int exponent = -16; exponent <= -6; exponent++) {
+            double delta = pow(10, exponent), split = (face % 4) / 4.0;
+            for (int on_edge = 0; on_edge < 2; on_edge++) {
+                struct gd_point base, moved;
+                double at[3] = {on_edge ? 0.6 : 1, on_edge ? 0.4 : 0, 0},
+                       off[3] = {at[0] - delta, at[1] + split * delta, (1 - split) * delta};
+                check_ok(gd_point_in_face(mesh, (struct gd_face){face}, at, &base, NULL), NULL);
+                check_ok(gd_point_in_face(mesh, (struct gd_face){face}, off, &moved, NULL), NULL);
+                struct gd_field *a = field_of(mesh, base), *b = field_of(mesh, moved);
+                gd_field_vertex_distances(a, exact);
+                gd_field_vertex_distances(b, near);
+                for (uint32_t v = 0; v < count; v++) {
+                    double excess = fabs(exact[v] - near[v]) - 2 * delta * mesh->summary.edge_length.max;
+                    if (excess > worst) worst = excess;
+                }
+                gd_field_release(a);
+                gd_field_release(b);
+            }
+        }
+    }
+    print_message("# sources close to a vertex or an edge: worst excess %.1e\n", worst);
+    assert_true(worst < 1e-12);
+    free(exact);
+    free(near);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Partial fields: what they answer is final, what they do not know they say. */
+static void partial_fields_answer_only_what_is_final(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(24, 0.3, 7, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct rng rng = {21};
+    for (int i = 0; i < 20; i++) {
+        struct gd_point source = test_point(mesh, test_random_place(&polygons, &rng));
+        struct gd_point target = test_point(mesh, test_random_place(&polygons, &rng));
+        struct gd_field *whole = field_of(mesh, source), *partial;
+        struct gd_seed seed = {.point = source};
+        struct gd_field_request request = {
+            .seeds = &seed, .seed_count = 1, .target = i % 2 ? &target : NULL, .radius = i % 2 ? 0 : 0.3};
+        check_ok(gd_field_build(mesh, &request, NULL, NULL, &partial, NULL), NULL);
+        double expected, actual;
+        if (i % 2) {
+            check_ok(gd_field_distance(whole, &target, &expected), NULL);
+            check_ok(gd_field_distance(partial, &target, &actual), NULL);
+            check_close(actual, expected, 1e-13);
+            assert_true(gd_field_reach(partial) >= expected && isfinite(gd_field_reach(partial)));
+        }
+        uint32_t beyond = 0;
+        for (int k = 0; k < 300; k++) {
+            struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
+            check_ok(gd_field_distance(whole, &point, &expected), NULL);
+            enum gd_status status = gd_field_distance(partial, &point, &actual);
+            if (status) {
+                assert_int_equal(status, GD_BEYOND_REACH);
+                assert_true(expected > gd_field_reach(partial) * (1 - 1e-12));
+                beyond++;
+            } else {
+                check_close(actual, expected, 1e-13);
+            }
+        }
+        if (!(i % 2)) assert_true(beyond > 0);
+        assert_true(gd_field_statistics(partial)->windows_propagated <= gd_field_statistics(whole)->windows_propagated);
+        gd_field_release(whole);
+        gd_field_release(partial);
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+static bool stop_at_once(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return false;
+}
+
+static void budget_deadline_and_cancel(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_torus(60, 30, 2, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = vertex(mesh, 0)};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    struct gd_field *field = NULL;
+    struct gd_detail detail;
+    int calls = 0;
+    struct gd_control budget = {.budget_bytes = 100000}, late = {.deadline_ns = 1},
+                      cancel = {.progress = stop_at_once, .user = &calls};
+    assert_int_equal(gd_field_build(mesh, &request, &budget, NULL, &field, &detail), GD_BUDGET);
+    assert_int_equal(gd_field_build(mesh, &request, &late, NULL, &field, &detail), GD_DEADLINE);
+    assert_int_equal(gd_field_build(mesh, &request, &cancel, NULL, &field, &detail), GD_CANCELLED);
+    assert_int_equal(calls, 1);
+    request.seed_count = 0;
+    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), GD_INVALID_ARGUMENT);
+    request.seed_count = 1;
+    seed.offset = -1;
+    assert_int_equal(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), GD_INVALID_ARGUMENT);
+    assert_null(field);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Several seeds with offsets: the least over the fields of each, plus its offset; the path ends in the seed that gave it. */
+static void several_seeds(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_genus2(6, 0.05, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct rng rng = {33};
+    enum { SEEDS = 5 };
+    struct gd_seed seeds[SEEDS];
+    struct gd_field *single[SEEDS], *all;
+    for (int i = 0; i < SEEDS; i++) {
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1 * i};
+        single[i] = field_of(mesh, seeds[i].point);
+    }
+    check_ok(
+        gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, NULL, &all, NULL),
+        NULL);
+    for (int k = 0; k < 2000; k++) {
+        struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
+        double least = INFINITY, actual, one;
+        for (int i = 0; i < SEEDS; i++) {
+            check_ok(gd_field_distance(single[i], &point, &one), NULL);
+            least = fmin(least, one + seeds[i].offset);
+        }
+        check_ok(gd_field_distance(all, &point, &actual), NULL);
+        check_close(actual, least, 1e-12);
+        struct gd_path path;
+        check_ok(gd_field_path(all, &point, &path), NULL);
+        bool at_seed = false;
+        for (int i = 0; i < SEEDS; i++) at_seed |= gd_point_equal(&path.points[path.count - 1], &seeds[i].point);
+        assert_true(at_seed);
+        gd_path_free(&path);
+    }
+    for (int i = 0; i < SEEDS; i++) gd_field_release(single[i]);
+    gd_field_release(all);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Blocks of the final merge on an executor give the same wedges, to the last bit. */
+static void backwards(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+{
+    *(uint32_t *)user += count;
+    while (count--) task(context, count);
+}
+
+static void an_executor_changes_nothing(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(64, 0.3, 7, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = vertex(mesh, 5)};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    uint32_t tasks = 0;
+    struct gd_executor executor = {.width = 2, .run = backwards, .user = &tasks};
+    struct gd_field *a, *b;
+    check_ok(gd_field_build(mesh, &request, NULL, NULL, &a, NULL), NULL);
+    check_ok(gd_field_build(mesh, &request, NULL, &executor, &b, NULL), NULL);
+    assert_true(tasks > 2);
+    assert_int_equal(a->statistics.wedges, b->statistics.wedges);
+    assert_memory_equal(a->wedges, b->wedges, a->statistics.wedges * sizeof *a->wedges);
+    assert_memory_equal(a->first, b->first, (mesh->edge_count + 1) * sizeof *a->first);
+    gd_field_release(a);
+    gd_field_release(b);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(example_1),
+        cmocka_unit_test(wedges_partition_their_edge),
+        cmocka_unit_test(correct_wedges_do_not_cross),
+        cmocka_unit_test(sources_close_to_a_vertex_or_an_edge),
+        cmocka_unit_test(partial_fields_answer_only_what_is_final),
+        cmocka_unit_test(budget_deadline_and_cancel),
+        cmocka_unit_test(several_seeds),
+        cmocka_unit_test(an_executor_changes_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

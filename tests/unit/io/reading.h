@@ -1,0 +1,129 @@
+/* What the tests of the readers share: tables of inputs, what they hold, and how malformed ones are refused.
+ *
+ * Meshes are compared as text: "x y z; x y z | i j k; i j k l", vertices before the bar, polygons behind it. */
+#ifndef TESTS_UNIT_IO_READING_H
+#define TESTS_UNIT_IO_READING_H
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/io.h"
+
+#define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
+
+/* A string literal, which may hold NULs, as pointer and size. */
+#define BYTES(literal) (literal), sizeof(literal) - 1
+
+struct good_input {
+    const char *bytes;
+    size_t size;
+    const char *mesh;
+};
+
+struct bad_input {
+    const char *bytes;
+    size_t size;
+    enum gd_status status;
+    uint64_t place;   /* line or byte; 0: the error has none, or it is no matter */
+    const char *says; /* part of the sentence; NULL: no matter */
+};
+
+/* Reads an exact copy of the bytes, so that a sanitizer sees a reader look behind them. */
+static inline enum gd_status read_copy(const char *bytes, size_t size, enum gd_format format,
+                                       const struct gd_read_limits *limits, struct gd_polygons *out,
+                                       struct gd_detail *detail)
+{
+    char *copy = malloc(size ? size : 1);
+    assert_non_null(copy);
+    memcpy(copy, bytes, size);
+    enum gd_status status = gd_read_polygons(copy, size, format, limits, out, detail);
+    free(copy);
+    return status;
+}
+
+/* malloc'ed text of the mesh. */
+static inline char *mesh_text(const struct gd_polygons *polygons)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    assert_non_null(stream);
+    for (uint32_t i = 0; i < polygons->position_count; i++) {
+        const double *xyz = polygons->positions[i];
+        fprintf(stream, "%s%.17g %.17g %.17g", i ? "; " : "", xyz[0], xyz[1], xyz[2]);
+    }
+    fprintf(stream, " |");
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+        if (i) fputc(';', stream);
+        for (uint32_t c = gd_polygons_first(polygons, i); c < gd_polygons_first(polygons, i + 1); c++) {
+            fprintf(stream, " %u", polygons->corners[c]);
+        }
+    }
+    fclose(stream);
+    return text;
+}
+
+static inline void check_good(enum gd_format format, const struct good_input *inputs, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        struct gd_polygons polygons;
+        struct gd_detail detail = {.text = ""};
+        enum gd_status status = read_copy(inputs[i].bytes, inputs[i].size, format, NULL, &polygons, &detail);
+        if (status != GD_OK) fail_msg("input %zu: %s: %s", i, gd_status_name(status), detail.text);
+        char *text = mesh_text(&polygons);
+        if (strcmp(text, inputs[i].mesh) != 0) fail_msg("input %zu: read '%s', not '%s'", i, text, inputs[i].mesh);
+        free(text);
+        gd_polygons_free(&polygons);
+    }
+}
+
+static inline void check_bad(enum gd_format format, const struct bad_input *inputs, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const struct bad_input *input = &inputs[i];
+        struct gd_polygons untouched = {.position_count = 77}, polygons = untouched;
+        struct gd_detail detail = {.text = ""};
+        enum gd_status status = read_copy(input->bytes, input->size, format, NULL, &polygons, &detail);
+        if (status != input->status) {
+            fail_msg("input %zu: %s ('%s'), not %s", i, gd_status_name(status), detail.text,
+                     gd_status_name(input->status));
+        }
+        assert_memory_equal(&polygons, &untouched, sizeof polygons);
+        if (detail.text[0] == '\0') fail_msg("input %zu: no sentence", i);
+        if (input->place && (detail.total != 1 || detail.elements[0][0] != input->place)) {
+            fail_msg("input %zu: '%s' should be at %llu", i, detail.text, (unsigned long long)input->place);
+        }
+        if (input->says && !strstr(detail.text, input->says)) {
+            fail_msg("input %zu: '%s' should say '%s'", i, detail.text, input->says);
+        }
+    }
+}
+
+/* Every beginning of every good input is read or refused by name; recognising it is safe too. */
+static inline void check_truncations(enum gd_format format, const struct good_input *inputs, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        for (size_t size = 0; size < inputs[i].size; size++) {
+            for (int any = 0; any < 2; any++) {
+                struct gd_polygons polygons = {0};
+                struct gd_detail detail = {.text = ""};
+                enum gd_status status =
+                    read_copy(inputs[i].bytes, size, any ? GD_FORMAT_ANY : format, NULL, &polygons, &detail);
+                if (status == GD_OK)
+                    assert_true(polygons.polygon_count > 0);
+                else
+                    assert_true(detail.text[0] != '\0' && status != GD_INTERNAL && status != GD_NO_MEMORY);
+                gd_polygons_free(&polygons);
+            }
+        }
+    }
+}
+
+#endif

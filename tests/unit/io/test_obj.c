@@ -1,0 +1,104 @@
+#include "tests/unit/io/reading.h"
+
+#define TRIANGLE      "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+#define TRIANGLE_MESH "0 0 0; 1 0 0; 0 1 0 | 0 1 2"
+
+static const struct good_input good[] = {
+    {BYTES(TRIANGLE "f 1 2 3\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f 1 2 3"), TRIANGLE_MESH},
+    {BYTES("v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n"), TRIANGLE_MESH},
+    {BYTES("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r"), TRIANGLE_MESH},
+    {BYTES("\xEF\xBB\xBF" TRIANGLE "f 1 2 3\n"), TRIANGLE_MESH},
+    {BYTES("# comment\n\n  \t\n" TRIANGLE "# f 9 9 9\nf 1 2 3 # the only one\n"), TRIANGLE_MESH},
+    {BYTES("mtllib /no/such/file.mtl\no x\ng y\ns off\nusemtl z\nunknown words 1 2\n" TRIANGLE
+           "vt 0 0\nvn 0 0 1\nl 1 2\nf 1 2 3\n"),
+     TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f 1/1 2/2 3/3\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f 1//1 2//1 3//1\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f 1/4/1 2/-5/1 3/6/-1\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f -3 -2 -1\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f -3//-3 -2//-2 -1//-1\n"), TRIANGLE_MESH},
+    {BYTES("f 1 2 3\n" TRIANGLE), TRIANGLE_MESH},
+    {BYTES("v 0 0 0 1.0\nv 1 0 0 255 0 0\nv 0 1 0 0.5 0.5 0.5 1\nf 1 2 3\n"), TRIANGLE_MESH},
+    {BYTES("v 0 \\\n0 0\nv 1 0\\\r\n 0\nv 0 1 0\nf\\\n1 2 \\\n  3\n"), TRIANGLE_MESH},
+    {BYTES(TRIANGLE "f 1\\\n 2/4\\\r\n\t3\\\r\n"), TRIANGLE_MESH},
+    {BYTES("g a \\\nv 9 9 9\n" TRIANGLE "f 1 2 3\n"), TRIANGLE_MESH},
+    {BYTES("# a path C:\\\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), TRIANGLE_MESH},
+    {BYTES("\tv\t0 0 0\n v 1 0 0\nv 0 1 0\nf  1  2  3  \n"), TRIANGLE_MESH},
+    {BYTES("v +0 0. .0\nv 1e0 0e5 -0\nv 0 10.0E-1 0\nf 1 2 3\n"), "0 0 0; 1 0 -0; 0 1 0 | 0 1 2"},
+    {BYTES(TRIANGLE "v 1 1 0\nf 1 2 4 3\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
+    {BYTES(TRIANGLE "v 1 1 0\nf 1 2 3\nf 2 4 3 1\nf 1 2 4\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 2; 1 3 2 0; 0 1 3"},
+    {BYTES(TRIANGLE "f 1 1 1\n"), "0 0 0; 1 0 0; 0 1 0 | 0 0 0"}, /* degenerate: for the mesh builder to refuse */
+    {BYTES("v 16777217 0.1 1e-320\nv 1.7976931348623157e308 123456789012345678901234567890 1e-400\nv 0 1 0\nf 1 2 3\n"),
+     "16777217 0.10000000000000001 9.9998886718268301e-321; 1.7976931348623157e+308 1.2345678901234568e+29 0; 0 1 0 | "
+     "0 1 2"},
+};
+
+static const struct bad_input bad[] = {
+    {BYTES("# nothing\n"), GD_EMPTY, 0, "no faces"},
+    {BYTES(TRIANGLE), GD_EMPTY, 0, "no faces"},
+    {BYTES("\0\0\0\0"), GD_EMPTY, 0, NULL},
+    {BYTES("v 0 0\nf 1 1 1\n"), GD_SYNTAX, 1, "line 1: the line ends where a number should be"},
+    {BYTES("v 0 0 0\nv 1 0 x\n"), GD_SYNTAX, 2, "found 'x'"},
+    {BYTES("v 0 0 1"
+           "\0"
+           "\n"),
+     GD_EMPTY, 0, NULL},
+    {BYTES("v 0 0"), GD_TRUNCATED, 1, NULL},
+    {BYTES("v\n"), GD_SYNTAX, 1, NULL},
+    {BYTES("v 0x1p3 0 0\n"), GD_SYNTAX, 1, "found '0x1p3'"},
+    {BYTES("v 1,5 0 0\n"), GD_SYNTAX, 1, "found ',5'"},
+    {BYTES("v 1.5.2 0 0\n"), GD_SYNTAX, 1, "1.5.2"},
+    {BYTES("v 1e 0 0\n"), GD_SYNTAX, 1, NULL},
+    {BYTES("v +-1 0 0\n"), GD_SYNTAX, 1, NULL},
+    {BYTES("v 0 nan 0\n"), GD_NON_FINITE, 1, "vertex 1"},
+    {BYTES("v 0 0 0\nv 0 -Inf 0\n"), GD_NON_FINITE, 2, "vertex 2"},
+    {BYTES("v 0 0 1e999\n"), GD_NON_FINITE, 1, NULL},
+    {BYTES("v 0 0 -1.8e308\n"), GD_NON_FINITE, 1, NULL},
+    {BYTES(TRIANGLE "f\n"), GD_SYNTAX, 4, "0 corners"},
+    {BYTES(TRIANGLE "f 1 2\n"), GD_SYNTAX, 4, "line 4: a face has 2 corners, it needs three"},
+    {BYTES(TRIANGLE "f 1 2 3.5\n"), GD_SYNTAX, 4, "3.5"},
+    {BYTES(TRIANGLE "f 1 2 a\n"), GD_SYNTAX, 4, "'a'"},
+    {BYTES(TRIANGLE "f 1 2/x 3\n"), GD_SYNTAX, 4, "'x'"},
+    {BYTES(TRIANGLE "f 1 2 3x\n"), GD_SYNTAX, 4, NULL},
+    {BYTES(TRIANGLE "f /1 2 3\n"), GD_SYNTAX, 4, NULL},
+    {BYTES(TRIANGLE "f 0 1 2\n"), GD_INDEX, 4, "vertex 0"},
+    {BYTES(TRIANGLE "f 1 2 4\n"), GD_INDEX, 4, "line 4: a face names vertex 4, but there are only 3"},
+    {BYTES(TRIANGLE "\n\n# x\r\nf 1 2 9\nf 1 2 3\n"), GD_INDEX, 7, "vertex 9"},
+    {BYTES("f 1 2 3\nv 0 0 0\nv 1 0 0\n"), GD_INDEX, 1, "vertex 3"},
+    {BYTES(TRIANGLE "f 1 2 -4\n"), GD_INDEX, 4, "vertex -4"},
+    {BYTES("f -1 -2 -3\n" TRIANGLE), GD_INDEX, 1, NULL},
+    {BYTES(TRIANGLE "f 1 2 4294967296\n"), GD_INDEX, 4, "vertex 4294967296"},
+    {BYTES(TRIANGLE "f 1 2 4294967298\n"), GD_INDEX, 4, NULL},
+    {BYTES(TRIANGLE "f 1 2 18446744073709551617\n"), GD_INDEX, 4, NULL},
+    {BYTES(TRIANGLE "f 1 2 -99999999999999999999\n"), GD_INDEX, 4, NULL},
+    {BYTES(TRIANGLE "f 1 2 \\\n\\\n9\n"), GD_INDEX, 6, NULL},
+};
+
+static void reads_good_input(void **state)
+{
+    (void)state;
+    check_good(GD_FORMAT_OBJ, good, COUNT_OF(good));
+}
+
+static void refuses_bad_input(void **state)
+{
+    (void)state;
+    check_bad(GD_FORMAT_OBJ, bad, COUNT_OF(bad));
+}
+
+static void survives_truncation(void **state)
+{
+    (void)state;
+    check_truncations(GD_FORMAT_OBJ, good, COUNT_OF(good));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_good_input),
+        cmocka_unit_test(refuses_bad_input),
+        cmocka_unit_test(survives_truncation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

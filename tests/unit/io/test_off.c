@@ -1,0 +1,92 @@
+#include "tests/unit/io/reading.h"
+
+#define VERTICES      "0 0 0\n1 0 0\n0 1 0\n"
+#define TRIANGLE_MESH "0 0 0; 1 0 0; 0 1 0 | 0 1 2"
+
+static const struct good_input good[] = {
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2"), TRIANGLE_MESH},
+    {BYTES("OFF 3 1 3\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\r\n3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2\r\n"), TRIANGLE_MESH},
+    {BYTES("OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r"), TRIANGLE_MESH},
+    {BYTES("\xEF\xBB\xBFOFF\n3 1 0\n" VERTICES "3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("# before\nOFF # keyword\n# between\n3 1 0 # counts\n\n0 0 0 # a\n1 0 0\n\n# c\n0 1 0\n3 0 1 2 # face\n"),
+     TRIANGLE_MESH},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2 255 0 0\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2 0.5 0.5 0.5 1\n"), TRIANGLE_MESH},
+    {BYTES("COFF\n3 1 0\n0 0 0 1 2 3 4\n1 0 0 1 2 3\n0 1 0 1 2 3 4\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("CNOFF\n3 1 0\n0 0 0 0 0 1 1 1 1 1\n1 0 0 0 0 1 1 1 1 1\n0 1 0 0 0 1 1 1 1 1\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("STOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("STCNOFF\n3 1 0\n0 0 0 0 1\n1 0 0 0 1\n0 1 0 0 1\n3 0 1 2\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n4 1 0\n" VERTICES "1 1 0\n4 0 1 3 2\n"), "0 0 0; 1 0 0; 0 1 0; 1 1 0 | 0 1 3 2"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2\nwhat follows is not read\n"), TRIANGLE_MESH},
+    {BYTES("OFF\n3 1 0\n0.1 16777217 -0\n1e-320 0 0\n0 1 0\n3 2 1 0\n"),
+     "0.10000000000000001 16777217 -0; 9.9998886718268301e-321 0 0; 0 1 0 | 2 1 0"},
+};
+
+static const struct bad_input bad[] = {
+    {BYTES("OF\n3 1 0\n"), GD_SYNTAX, 1, "OFF"},
+    {BYTES("off\n3 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 1, NULL},
+    {BYTES("3 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 1, "keyword OFF"},
+    {BYTES("# only a comment\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF"), GD_TRUNCATED, 1, NULL},
+    {BYTES("OFF BINARY\n3 1 0\n"), GD_UNSUPPORTED, 1, "binary OFF"},
+    {BYTES("COFF BINARY\n3 1 0\n"), GD_UNSUPPORTED, 1, "binary OFF"},
+    {BYTES("4OFF\n3 1 0\n"), GD_UNSUPPORTED, 1, "three dimensions"},
+    {BYTES("nOFF\n3\n3 1 0\n"), GD_UNSUPPORTED, 1, NULL},
+    {BYTES("OFF\n3\n"), GD_TRUNCATED, 3, NULL},
+    {BYTES("OFF\nthree 1 0\n"), GD_SYNTAX, 2, "'three'"},
+    {BYTES("OFF\n3.0 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 2, NULL},
+    {BYTES("OFF\n-3 1 0\n" VERTICES "3 0 1 2\n"), GD_SYNTAX, 2, "negative"},
+    {BYTES("OFF\n4000000000 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, "4000000000 vertices"},
+    {BYTES("OFF\n3 4000000000 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, "26 bytes follow"},
+    {BYTES("OFF\n99999999999999999999 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF\n3074457345618258603 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF\n4 1 0\n" VERTICES "3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF\n4 1 0\n" VERTICES "3 0 1 2         \n"), GD_TRUNCATED, 7, "the input ends"},
+    {BYTES("OFF\n3 0 0\n" VERTICES), GD_EMPTY, 0, NULL},
+    {BYTES("OFF\n0 0 0\n"), GD_EMPTY, 0, NULL},
+    {BYTES("OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_TRUNCATED, 2, NULL},
+    {BYTES("OFF\n3 1 0\n0 0\n1 0 0.0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 3, "the line ends"},
+    {BYTES("OFF\n3 1 0\n0 0 z\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 3, "'z'"},
+    {BYTES("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 3, "vertex 0"},
+    {BYTES("OFF\n3 1 0\n0 0 0\n1 0 1e309\n0 1 0\n3 0 1 2\n"), GD_NON_FINITE, 4, "vertex 1"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "2 0 1   \n"), GD_SYNTAX, 6, "2 corners"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "-3 0 1 2\n"), GD_SYNTAX, 6, "0 corners"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 2.5\n"), GD_SYNTAX, 6, "2.5"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "4 0 1 2\n"), GD_SYNTAX, 6, "the line ends"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "9000000000000000000 0 1 2\n"), GD_SYNTAX, 6, NULL},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 3\n"), GD_INDEX, 6, "vertex 3, but there are only 3, counted from 0"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 -1\n"), GD_INDEX, 6, "vertex -1"},
+    {BYTES("OFF\n3 1 0\n" VERTICES "3 0 1 4294967296\n"), GD_INDEX, 6, NULL},
+};
+
+static void reads_good_input(void **state)
+{
+    (void)state;
+    check_good(GD_FORMAT_OFF, good, COUNT_OF(good));
+}
+
+static void refuses_bad_input(void **state)
+{
+    (void)state;
+    check_bad(GD_FORMAT_OFF, bad, COUNT_OF(bad));
+}
+
+static void survives_truncation(void **state)
+{
+    (void)state;
+    check_truncations(GD_FORMAT_OFF, good, COUNT_OF(good));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_good_input),
+        cmocka_unit_test(refuses_bad_input),
+        cmocka_unit_test(survives_truncation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,121 @@
+#include "tests/unit/io/reading.h"
+
+#include "io/scan.h"
+
+/* The line of the first '!' as an error names it. */
+static uint64_t line_of_mark(const char *text)
+{
+    struct gd_detail detail;
+    struct gd__scan scan = gd__scan_begin(text, strlen(text), &detail);
+    assert_int_equal(gd__scan_fail(&scan, strchr(text, '!'), GD_SYNTAX, "here"), GD_SYNTAX);
+    assert_int_equal(detail.kind, GD_ELEMENT_LINE);
+    char expected[32];
+    snprintf(expected, sizeof expected, "line %llu: here", (unsigned long long)detail.elements[0][0]);
+    assert_string_equal(detail.text, expected);
+    return detail.elements[0][0];
+}
+
+static void counts_lines_of_every_kind(void **state)
+{
+    (void)state;
+    assert_int_equal(line_of_mark("!"), 1);
+    assert_int_equal(line_of_mark("\n!"), 2);
+    assert_int_equal(line_of_mark("a\n\nb!\n"), 3);
+    assert_int_equal(line_of_mark("a\r\n\r\nb!\n"), 3);
+    assert_int_equal(line_of_mark("a\r\rb!\r"), 3);
+    assert_int_equal(line_of_mark("a\n\rb\r\n!"), 4);
+}
+
+/* Line by line, as many as `lines` counts. */
+static void check_lines(const char *text, bool comments, bool continued, int lines)
+{
+    struct gd__scan scan = gd__scan_begin(text, strlen(text), NULL);
+    scan.comments = comments;
+    scan.continued = continued;
+    int count = 0;
+    for (; scan.at < scan.end; count++) gd__scan_skip_line(&scan);
+    if (count != lines) fail_msg("'%s' has %d lines, not %d", text, count, lines);
+}
+
+static void skips_lines(void **state)
+{
+    (void)state;
+    check_lines("", false, false, 0);
+    check_lines("a\nb\r\nc\rd", false, false, 4);
+    check_lines("a\\\nb\n", false, false, 2);
+    check_lines("a\\\nb\n", false, true, 1);
+    check_lines("a\\\r\nb\\\rc\n\n", false, true, 2);
+    check_lines("a\\", false, true, 1);
+    check_lines("\\\n\\\n\\\n", false, true, 1);
+    check_lines("a # b\\\nc\n", true, true, 2);
+    check_lines("# b\\\nc\n", true, true, 2);
+    check_lines("a\\# b\nc\n", true, true, 2);
+    check_lines("a # b\\\nc\n", false, true, 1);
+}
+
+static void splits_words(void **state)
+{
+    (void)state;
+    const char *text = " \tone two#three \n four\\\n five";
+    struct gd__scan scan = gd__scan_begin(text, strlen(text), NULL);
+    scan.comments = scan.continued = true;
+    assert_true(gd__word_is(gd__scan_word(&scan), "one"));
+    assert_true(gd__word_resembles(gd__scan_word(&scan), "TWO"));
+    assert_int_equal(gd__scan_word(&scan).length, 0);
+    gd__scan_skip_space(&scan);
+    assert_true(gd__word_is(gd__scan_word(&scan), "four"));
+    assert_true(gd__word_is(gd__scan_word(&scan), "five"));
+    assert_int_equal(gd__scan_word(&scan).length, 0);
+    assert_ptr_equal(scan.at, scan.end);
+}
+
+static void reads_integers(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        enum gd_status status;
+        int64_t value;
+    } cases[] = {
+        {"7", GD_OK, 7},
+        {" -12 ", GD_OK, -12},
+        {"+5/", GD_OK, 5},
+        {"0009", GD_OK, 9},
+        {"922337203685477570", GD_OK, 922337203685477570},
+        {"99999999999999999999", GD_OK, INT64_MAX},
+        {"-99999999999999999999999999", GD_OK, -INT64_MAX},
+        {"", GD_TRUNCATED, 0},
+        {"\n", GD_SYNTAX, 0},
+        {"-", GD_SYNTAX, 0},
+        {"1.0", GD_SYNTAX, 0},
+        {"1e3", GD_SYNTAX, 0},
+        {"--1", GD_SYNTAX, 0},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct gd__scan scan = gd__scan_begin(cases[i].text, strlen(cases[i].text), NULL);
+        int64_t value = 0;
+        assert_int_equal(gd__scan_integer(&scan, &value), cases[i].status);
+        assert_true(value == cases[i].value);
+    }
+}
+
+static void shows_no_more_than_printable(void **state)
+{
+    (void)state;
+    const char *word = "a\001\xC3\xA4\x7F~";
+    assert_string_equal(gd__excerpt((struct gd__word){word, strlen(word)}).text, "a????~");
+    const char *long_word = "0123456789012345678901234567890123456789";
+    assert_string_equal(gd__excerpt((struct gd__word){long_word, 40}).text, "0123456789012345678901234567890");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(counts_lines_of_every_kind),
+        cmocka_unit_test(skips_lines),
+        cmocka_unit_test(splits_words),
+        cmocka_unit_test(reads_integers),
+        cmocka_unit_test(shows_no_more_than_printable),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

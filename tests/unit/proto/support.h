@@ -1,0 +1,103 @@
+/* What the tests of proto share: a query string, a look at what was written and what went wrong, a mesh. */
+#ifndef TESTS_UNIT_PROTO_SUPPORT_H
+#define TESTS_UNIT_PROTO_SUPPORT_H
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/mesh.h"
+#include "proto/options.h"
+#include "proto/problem.h"
+#include "proto/writer.h"
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+/* --- query string: names and values in turn, NULL at the end
+ * -------------------------------------------------------------- */
+
+static inline const char *query_get(void *user, const char *name)
+{
+    for (const char *const *pair = user; *pair; pair += 2) {
+        if (strcmp(pair[0], name) == 0) return pair[1];
+    }
+    return NULL;
+}
+
+static inline void query_each(void *user, bool (*visit)(void *context, const char *name), void *context)
+{
+    for (const char *const *pair = user; *pair && visit(context, *pair); pair += 2) {
+    }
+}
+
+static inline struct proto_parameters query_of(const char *const *pairs)
+{
+    return (struct proto_parameters){query_get, query_each, (void *)pairs};
+}
+
+#define QUERY(...) query_of((const char *const[]){__VA_ARGS__, NULL})
+#define NO_QUERY   query_of((const char *const[]){NULL})
+
+/* --- results
+ * ---------------------------------------------------------------------------------------------------------------- */
+
+/* What was written is exactly `expected`; frees the writer. */
+static inline void assert_written(struct proto_writer *writer, const char *expected)
+{
+    size_t size = 0;
+    char *text = proto_writer_take(writer, &size);
+    assert_non_null(text);
+    char *copy = test_calloc(size + 1, 1);
+    memcpy(copy, text, size);
+    free(text);
+    assert_string_equal(copy, expected);
+    test_free(copy);
+    proto_writer_free(writer);
+}
+
+static inline struct proto_writer new_writer(void)
+{
+    struct proto_writer writer;
+    proto_writer_init(&writer, 1 << 20);
+    return writer;
+}
+
+static inline void assert_pointer(const struct proto_problem *problem, const char *pointer)
+{
+    assert_int_equal(problem->code, PROTO_PROBLEM_INVALID_REQUEST);
+    assert_int_equal(problem->status, 400);
+    assert_true(problem->has_pointer);
+    assert_string_equal(problem->pointer, pointer);
+    assert_true(problem->detail[0] != '\0');
+}
+
+static inline void assert_parameter(const struct proto_problem *problem, const char *parameter)
+{
+    assert_int_equal(problem->code, PROTO_PROBLEM_INVALID_REQUEST);
+    assert_false(problem->has_pointer);
+    assert_string_equal(problem->parameter, parameter);
+    assert_true(problem->detail[0] != '\0');
+}
+
+/* --- mesh
+ * -------------------------------------------------------------------------------------------------------------------
+ */
+
+/* The corner of a unit cube: right angles at vertex 0, the example of openapi.yaml. */
+static inline struct gd_mesh *new_tetrahedron(void)
+{
+    static double positions[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    static uint32_t corners[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    const struct gd_polygons polygons = {
+        .positions = positions, .position_count = 4, .polygon_count = 4, .corners = corners};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL), GD_OK);
+    return mesh;
+}
+
+#endif

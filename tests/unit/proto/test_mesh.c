@@ -1,0 +1,205 @@
+#include "support.h"
+
+#include "proto/mesh.h"
+
+/* --- name
+ * --------------------------------------------------------------------------------------------------------------- */
+
+static bool is_name(const char *name)
+{
+    struct proto_problem problem = {0};
+    bool good = proto_mesh_name_check(name, strlen(name), &problem);
+    assert_int_equal(problem.code, good ? PROTO_PROBLEM_NONE : PROTO_PROBLEM_INVALID_REQUEST);
+    return good;
+}
+
+static void checks_names(void **state)
+{
+    (void)state;
+    static const char *const good[] = {"a", "Z", "0", "_", "-", "bunny", "bunny.obj", "a..b", "-._", "A-Z_0.9"};
+    static const char *const bad[] = {"",    ".",           "..",  ".hidden", "a b",  "a/b",  "a%20",
+                                      "a\n", "caf\xc3\xa9", "a:b", "a~",      "\x7f", "a\\b", "a+b"};
+    for (size_t i = 0; i < COUNT(good); i++) assert_true(is_name(good[i]));
+    for (size_t i = 0; i < COUNT(bad); i++) assert_false(is_name(bad[i]));
+    char longest[PROTO_MESH_NAME + 2];
+    memset(longest, 'x', sizeof longest);
+    struct proto_problem problem;
+    assert_true(proto_mesh_name_check(longest, PROTO_MESH_NAME, &problem));
+    assert_false(proto_mesh_name_check(longest, PROTO_MESH_NAME + 1, &problem));
+    assert_false(proto_mesh_name_check("a\0b", 3, &problem));
+}
+
+/* --- upload
+ * ------------------------------------------------------------------------------------------------------------- */
+
+static void reads_upload_options(void **state)
+{
+    (void)state;
+    struct proto_mesh_options options, other;
+    struct proto_problem problem;
+    struct proto_parameters parameters = NO_QUERY;
+    assert_true(proto_mesh_options_parse(&parameters, &options, &problem));
+    assert_true(options.format == GD_FORMAT_ANY && !options.build.refuse_polygons);
+    parameters = QUERY("format", "stl", "triangulate", "false", "repair", "none");
+    assert_true(proto_mesh_options_parse(&parameters, &other, &problem));
+    assert_true(other.format == GD_FORMAT_STL && other.build.refuse_polygons);
+    assert_false(proto_mesh_options_equal(&options, &other));
+    other.build.refuse_polygons = false;
+    assert_false(proto_mesh_options_equal(&options, &other));
+    other.format = GD_FORMAT_ANY;
+    assert_true(proto_mesh_options_equal(&options, &other));
+    other.build.refuse_polygons = true;
+    assert_false(proto_mesh_options_equal(&options, &other));
+    parameters = QUERY("triangulate", "true");
+    assert_true(proto_mesh_options_parse(&parameters, &other, &problem));
+    assert_true(proto_mesh_options_equal(&options, &other));
+}
+
+static void refuses_bad_upload_options(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"format", "3ds"},    {"format", ""},      {"weld", "0.1"},    {"weld", "0"},
+        {"repair", "split"},  {"repair", "all"},   {"repair", ""},     {"triangulate", "yes"},
+        {"triangulate", "1"}, {"triangulate", ""}, {"fields", "name"}, {"Format", "obj"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_mesh_options options;
+        struct proto_problem problem;
+        struct proto_parameters parameters = QUERY(cases[i][0], cases[i][1]);
+        assert_false(proto_mesh_options_parse(&parameters, &options, &problem));
+        assert_parameter(&problem, cases[i][0]);
+    }
+}
+
+static void finds_the_format_of_an_upload(void **state)
+{
+    (void)state;
+    static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n";
+    static const char none[] = "\x01\x02\x03";
+    struct proto_mesh_options options = {.format = GD_FORMAT_OFF};
+    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"), GD_FORMAT_OFF);
+    options.format = GD_FORMAT_ANY;
+    assert_int_equal(proto_mesh_upload_format(&options, ply, sizeof ply - 1, "model/obj"), GD_FORMAT_PLY);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "model/obj"), GD_FORMAT_OBJ);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, "image/png"), GD_FORMAT_ANY);
+    assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, NULL), GD_FORMAT_ANY);
+}
+
+/* --- content
+ * ------------------------------------------------------------------------------------------------------------ */
+
+static void chooses_the_format_to_send(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *accept;
+        enum gd_format format;
+    } cases[] = {
+        {NULL, GD_FORMAT_OBJ},
+        {"*/*", GD_FORMAT_OBJ},
+        {"model/*", GD_FORMAT_OBJ},
+        {"model/stl", GD_FORMAT_STL},
+        {"application/x-ply, */*;q=0.1", GD_FORMAT_PLY},
+        {"text/*", GD_FORMAT_OFF},
+        {"application/json, text/plain, */*", GD_FORMAT_OBJ},
+        {"model/obj;q=0, model/stl;q=0.5, text/x-off;q=0.6", GD_FORMAT_OFF},
+    };
+    struct proto_problem problem;
+    enum gd_format format = GD_FORMAT_ANY;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_parameters parameters = NO_QUERY;
+        assert_true(proto_mesh_content_format(&parameters, cases[i].accept, &format, &problem));
+        assert_int_equal(format, cases[i].format);
+    }
+    struct proto_parameters parameters = QUERY("format", "off");
+    assert_true(proto_mesh_content_format(&parameters, "model/stl", &format, &problem));
+    assert_int_equal(format, GD_FORMAT_OFF);
+}
+
+static void refuses_what_can_not_be_sent(void **state)
+{
+    (void)state;
+    struct proto_problem problem;
+    enum gd_format format = GD_FORMAT_STL;
+    struct proto_parameters parameters = NO_QUERY;
+    assert_false(proto_mesh_content_format(&parameters, "image/png, application/json", &format, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_NOT_ACCEPTABLE);
+    static const char *const cases[][2] = {{"format", "json"}, {"format", "x"}, {"weld", "1"}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        parameters = QUERY(cases[i][0], cases[i][1]);
+        assert_false(proto_mesh_content_format(&parameters, NULL, &format, &problem));
+        assert_parameter(&problem, cases[i][0]);
+    }
+    assert_int_equal(format, GD_FORMAT_STL);
+}
+
+/* --- description
+ * -------------------------------------------------------------------------------------------------------- */
+
+#define DESCRIPTION                                                                                                    \
+    "{\"name\":\"corner\",\"sha256\":\"ab12\",\"index_count\":5,\"vertices\":4,\"faces\":3,\"edges\":6,"               \
+    "\"components\":1,"                                                                                                \
+    "\"boundaries\":[{\"vertices\":3,\"length\":3.414213562373095}],\"euler_characteristic\":1,\"genus\":0,"           \
+    "\"orientation\":{\"flipped_faces\":1},\"area\":1.8660254037844386,\"bounding_box\":{\"min\":[0,0,0],\"max\":[1,"  \
+    "1,1]},"                                                                                                           \
+    "\"edge_length\":{\"min\":1,\"mean\":1.2071067811865475,\"max\":1.4142135623730951},\"degenerate_faces\":0,"       \
+    "\"saddle_vertices\":0,"                                                                                           \
+    "\"unreferenced_vertices\":1,\"repair\":{\"edges_split\":0,\"vertices_split\":0},\"memory_bytes\":4096,\"fields_"  \
+    "cached\":2,"                                                                                                      \
+    "\"created\":\"2026-11-21T12:34:56Z\",\"etag\":\"1f0c\"}"
+
+/* The tetrahedron without its last face, one face turned over, and a vertex that no face uses. */
+static struct gd_mesh *new_corner(void)
+{
+    static double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {9, 9, 9}};
+    static uint32_t corners[] = {0, 2, 1, 0, 3, 1, 1, 2, 3};
+    const struct gd_polygons polygons = {
+        .positions = positions, .position_count = 5, .polygon_count = 3, .corners = corners};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL), GD_OK);
+    return mesh;
+}
+
+static void describes_meshes(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = new_corner();
+    const struct proto_mesh_description description = {.name = "corner",
+                                                       .sha256 = "ab12",
+                                                       .created = 1795264496,
+                                                       .etag = "1f0c",
+                                                       .fields_cached = 2,
+                                                       .memory_bytes = 4096,
+                                                       .mesh = mesh};
+    struct proto_writer writer = new_writer();
+    proto_mesh_encode(&writer, &description);
+    assert_written(&writer, DESCRIPTION);
+
+    writer = new_writer();
+    proto_mesh_list_begin(&writer);
+    proto_mesh_encode(&writer, &description);
+    proto_mesh_encode(&writer, &description);
+    proto_mesh_list_end(&writer, "corner");
+    assert_written(&writer, "{\"meshes\":[" DESCRIPTION "," DESCRIPTION "],\"next\":\"corner\"}");
+    gd_mesh_release(mesh);
+
+    writer = new_writer();
+    proto_mesh_list_begin(&writer);
+    proto_mesh_list_end(&writer, NULL);
+    assert_written(&writer, "{\"meshes\":[],\"next\":null}");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(checks_names),
+        cmocka_unit_test(reads_upload_options),
+        cmocka_unit_test(refuses_bad_upload_options),
+        cmocka_unit_test(finds_the_format_of_an_upload),
+        cmocka_unit_test(chooses_the_format_to_send),
+        cmocka_unit_test(refuses_what_can_not_be_sent),
+        cmocka_unit_test(describes_meshes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

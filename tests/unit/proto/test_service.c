@@ -1,0 +1,42 @@
+#include "support.h"
+
+#include "proto/service.h"
+
+static void describes_the_daemon(void **state)
+{
+    (void)state;
+    static const struct proto_route routes[] = {{.operation = "get_path"}, {.query = "path"}, {.query = "nearest"}};
+    const struct proto_service service = {
+        .version = "1.2.3",
+        .limits =
+            {.max_body_bytes = 1, .max_faces = 2, .timeout_ms = 3, .memory_budget_bytes = 4294967296, .workers = 5},
+        .routes = routes,
+        .route_count = COUNT(routes),
+    };
+    struct proto_writer writer = new_writer();
+    proto_service_encode(&writer, &service);
+    assert_written(
+        &writer,
+        "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
+        "\"memory_budget_bytes\":4294967296,\"workers\":5},\"capabilities\":{\"formats\":[\"obj\",\"ply\",\"stl\","
+        "\"off\",\"json\"],\"queries\":[\"path\",\"nearest\"]}}");
+}
+
+static void tells_its_health(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {[PROTO_HEALTH_OK] = "{\"status\":\"ok\"}",
+                                        [PROTO_HEALTH_STARTING] = "{\"status\":\"starting\"}",
+                                        [PROTO_HEALTH_DRAINING] = "{\"status\":\"draining\"}"};
+    for (int health = PROTO_HEALTH_OK; health <= PROTO_HEALTH_DRAINING; health++) {
+        struct proto_writer writer = new_writer();
+        proto_health_encode(&writer, (enum proto_health)health);
+        assert_written(&writer, texts[health]);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(describes_the_daemon), cmocka_unit_test(tells_its_health)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

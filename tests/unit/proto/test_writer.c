@@ -1,0 +1,141 @@
+#include "support.h"
+
+#include <math.h>
+
+static void places_commas(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_write_object_begin(&writer);
+    proto_write_key(&writer, "a");
+    proto_write_array_begin(&writer);
+    proto_write_array_end(&writer);
+    proto_write_key(&writer, "b");
+    proto_write_array_begin(&writer);
+    proto_write_uint(&writer, UINT64_MAX);
+    proto_write_int(&writer, INT64_MIN);
+    proto_write_object_begin(&writer);
+    proto_write_object_end(&writer);
+    proto_write_bool(&writer, true);
+    proto_write_bool(&writer, false);
+    proto_write_null(&writer);
+    proto_write_raw(&writer, "[1]", 3);
+    proto_write_string(&writer, NULL);
+    proto_write_array_end(&writer);
+    proto_write_key(&writer, "c");
+    proto_write_numbers(&writer, (const double[]){0.5, -2, NAN, INFINITY, -INFINITY}, 5);
+    proto_write_object_end(&writer);
+    assert_written(&writer, "{\"a\":[],\"b\":[18446744073709551615,-9223372036854775808,{},true,false,null,[1],null],"
+                            "\"c\":[0.5,-2,null,null,null]}");
+}
+
+static void escapes_strings(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *json;
+    } cases[] = {
+        {"", "\"\""},
+        {"bunny", "\"bunny\""},
+        {"a\"b\\c/d", "\"a\\\"b\\\\c/d\""},
+        {"\b\f\n\r\t", "\"\\b\\f\\n\\r\\t\""},
+        {"\x01\x1f\x7f", "\"\\u0001\\u001f\x7f\""},
+        {"gr\xc3\xb6\xc3\x9f"
+         "er",
+         "\"gr\xc3\xb6\xc3\x9f"
+         "er\""},
+        {"\xf0\x9f\x90\xb0", "\"\xf0\x9f\x90\xb0\""},
+        {"a\xff"
+         "b",
+         "\"a\xef\xbf\xbd"
+         "b\""},
+        {"\xc3", "\"\xef\xbf\xbd\""},
+        {"\xed\xa0\x80", "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_writer writer = new_writer();
+        proto_write_string(&writer, cases[i].text);
+        assert_written(&writer, cases[i].json);
+    }
+}
+
+static void appends_plain_text(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_append(&writer, "# HELP x\n", 9);
+    proto_append_format(&writer, "x %d\n", 42);
+    proto_append(&writer, "", 0);
+    assert_written(&writer, "# HELP x\nx 42\n");
+}
+
+static void grows(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_write_array_begin(&writer);
+    for (int i = 0; i < 50000; i++) proto_write_uint(&writer, (uint64_t)i);
+    proto_write_array_end(&writer);
+    struct proto_problem problem;
+    assert_true(proto_writer_check(&writer, &problem));
+    assert_int_equal(writer.size,
+                     10 + 2 * 90 + 3 * 900 + 4 * 9000 + 5 * 40000 + 49999 + 2); /* digits, commas, brackets */
+    proto_writer_free(&writer);
+}
+
+static void stops_at_its_maximum_for_good(void **state)
+{
+    (void)state;
+    struct proto_writer writer;
+    struct proto_problem problem;
+    proto_writer_init(&writer, 8);
+    proto_append(&writer, "12345678", 8);
+    assert_true(proto_writer_check(&writer, &problem));
+    proto_append(&writer, "9", 1);
+    proto_append(&writer, "", 0);
+    assert_false(proto_writer_check(&writer, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+    assert_int_equal(problem.limit, 8);
+    size_t size;
+    assert_null(proto_writer_take(&writer, &size));
+    assert_int_equal(writer.size, 8);
+
+    proto_writer_free(&writer);
+
+    proto_append(&writer, "123456789", 9); /* fails */
+    proto_append(&writer, "1", 1);         /* would fit, but comes after a failure */
+    proto_append_format(&writer, "%d", 1);
+    proto_write_number(&writer, 1);
+    assert_int_equal(writer.size, 0);
+    assert_false(proto_writer_check(&writer, &problem));
+    proto_writer_free(&writer);
+}
+
+static void holds_a_size_that_is_no_power_of_two(void **state)
+{
+    (void)state;
+    struct proto_writer writer;
+    struct proto_problem problem;
+    proto_writer_init(&writer, 3000);
+    for (int i = 0; i < 3000; i++) proto_append(&writer, "x", 1);
+    assert_true(proto_writer_check(&writer, &problem));
+    assert_int_equal(writer.size, 3000);
+    assert_int_equal(writer.capacity, 3000);
+    proto_append(&writer, "x", 1);
+    assert_false(proto_writer_check(&writer, &problem));
+    proto_writer_free(&writer);
+    proto_writer_free(&writer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(places_commas),
+        cmocka_unit_test(escapes_strings),
+        cmocka_unit_test(appends_plain_text),
+        cmocka_unit_test(grows),
+        cmocka_unit_test(stops_at_its_maximum_for_good),
+        cmocka_unit_test(holds_a_size_that_is_no_power_of_two),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

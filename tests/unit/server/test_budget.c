@@ -1,0 +1,88 @@
+#include "support.h"
+
+#include "server/budget.h"
+
+static void counts_by_class(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 60));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_MESHES, 41));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 40));
+    server_budget_move(&budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, 60);
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 60);
+    assert_int_equal(server_budget_available(&budget), 60); /* fields could be evicted */
+    server_budget_give(&budget, SERVER_BUDGET_FIELDS, 60);
+    assert_int_equal(budget.total, 40);
+}
+
+static void sums_do_not_overflow(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 50));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, SIZE_MAX));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, SIZE_MAX - 49));
+    assert_int_equal(budget.total, 50);
+}
+
+static void adjusts_to_what_is_held(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 80));
+    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 80, 30);
+    assert_int_equal(budget.total, 30);
+    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 30, 120); /* it is there, so it counts */
+    assert_int_equal(budget.total, 120);
+    assert_int_equal(server_budget_available(&budget), 0);
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 1));
+}
+
+static void reclaim_fields(void *user, size_t bytes)
+{
+    struct server_budget *budget = user;
+    assert_int_equal(bytes, 10);
+    server_budget_give(budget, SERVER_BUDGET_FIELDS, 40);
+}
+
+static void reclaims_what_is_missing(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 90));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
+    budget.reclaim = reclaim_fields;
+    budget.reclaim_user = &budget;
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
+    assert_int_equal(budget.total, 70);
+}
+
+static void does_not_evict_for_what_can_not_be_had(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    budget.reclaim = reclaim_fields;
+    budget.reclaim_user = &budget;
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 50));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 50));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 51));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 50);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(counts_by_class),
+        cmocka_unit_test(sums_do_not_overflow),
+        cmocka_unit_test(adjusts_to_what_is_held),
+        cmocka_unit_test(reclaims_what_is_missing),
+        cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

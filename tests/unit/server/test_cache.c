@@ -1,0 +1,354 @@
+#include "support.h"
+
+#define AMPLE ((size_t)1 << 30)
+
+struct fixture {
+    struct server_budget budget;
+    struct server_workers *workers;
+    struct server_cache *cache;
+    struct gd_mesh *mesh;
+    struct server_shelf *shelf;
+};
+
+static int set_up(void **state)
+{
+    struct fixture *fixture = calloc(1, sizeof *fixture);
+    server_budget_init(&fixture->budget, AMPLE);
+    fixture->workers = server_workers_create(1, 100);
+    fixture->cache = server_cache_create(&fixture->budget, fixture->workers);
+    fixture->mesh = new_mesh();
+    fixture->shelf = server_shelf_open(fixture->cache);
+    *state = fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    server_shelf_close(fixture->shelf);
+    server_shelf_release(fixture->shelf);
+    server_cache_destroy(fixture->cache);
+    server_workers_destroy(fixture->workers);
+    gd_mesh_release(fixture->mesh);
+    assert_int_equal(fixture->budget.total, 0); /* whatever a test did, every byte has come back */
+    free(fixture);
+    return 0;
+}
+
+static struct server_flight *enter(struct fixture *fixture, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &job.job, &flight), SERVER_CACHE_BUILD);
+    return flight;
+}
+
+/* Builds the field of a vertex and lands it; returns its pin. */
+static const struct server_cached *land(struct fixture *fixture, struct server_flight *flight, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    struct gd_field *field = new_field(fixture->mesh, &source);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    const struct server_cached *cached = server_cache_land(flight, field);
+    assert_non_null(cached);
+    return cached;
+}
+
+static void add(struct fixture *fixture, uint32_t vertex)
+{
+    server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
+}
+
+static const struct server_cached *find(struct fixture *fixture, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    return server_cache_find(fixture->shelf, &source);
+}
+
+static bool has(struct fixture *fixture, uint32_t vertex)
+{
+    const struct server_cached *cached = find(fixture, vertex);
+    server_cache_unpin(cached);
+    return cached != NULL;
+}
+
+static void finds_what_has_landed(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t vertex = 0; vertex < 40; vertex++) {
+        assert_false(has(fixture, vertex));
+        add(fixture, vertex);
+    }
+    for (uint32_t vertex = 0; vertex < 40; vertex++) {
+        struct gd_point source = vertex_point(fixture->mesh, vertex);
+        const struct server_cached *cached = find(fixture, vertex);
+        double distance = 1;
+        assert_int_equal(gd_field_distance(cached->field, &source, &distance), GD_OK);
+        assert_true(distance == 0);
+        server_cache_unpin(cached);
+    }
+    assert_int_equal(server_shelf_count(fixture->shelf), 40);
+    assert_int_equal(server_cache_statistics(fixture->cache).hits, 40);
+    assert_int_equal(server_cache_statistics(fixture->cache).misses, 40);
+}
+
+static void shelves_do_not_share(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_shelf *other = server_shelf_open(fixture->cache);
+    struct gd_point source = vertex_point(fixture->mesh, 3);
+    add(fixture, 3);
+    assert_null(server_cache_find(other, &source));
+    server_shelf_close(other);
+    server_shelf_release(other);
+    assert_true(has(fixture, 3));
+}
+
+static void one_builds_and_the_others_wait(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7), *none = NULL;
+    struct test_job waiting[3];
+    assert_false(server_cache_is_awaited(flight));
+    for (int i = 0; i < 3; i++) {
+        test_job_init(&waiting[i], NULL);
+        if (i < 2)
+            assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &waiting[i].job, &none),
+                             SERVER_CACHE_WAIT);
+        else
+            assert_true(server_cache_join(fixture->shelf, &source, &waiting[i].job));
+    }
+    assert_true(server_cache_is_awaited(flight));
+    assert_null(find(fixture, 7));
+    server_cache_unpin(land(fixture, flight, 7));
+    for (int i = 0; i < 3; i++) {
+        sem_wait(&waiting[i].done);
+        assert_int_equal(waiting[i].runs, 1);
+    }
+    assert_int_equal(server_cache_statistics(fixture->cache).builds, 1);
+    assert_int_equal(server_cache_statistics(fixture->cache).waits, 3);
+    assert_false(server_cache_join(fixture->shelf, &source, &waiting[0].job));
+}
+
+static void what_came_meanwhile_is_looked_at_again(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    add(fixture, 7);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &job.job, &flight), SERVER_CACHE_AGAIN);
+    assert_null(flight);
+}
+
+static void a_better_field_takes_the_place_of_the_old_one(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    add(fixture, 7);
+    const struct server_cached *old = find(fixture, 7);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, old, &job.job, &flight), SERVER_CACHE_BUILD);
+    const struct server_cached *better = land(fixture, flight, 7), *found = find(fixture, 7);
+    assert_ptr_equal(found, better);
+    assert_ptr_not_equal(found, old);
+    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS],
+                     gd_field_memsize(old->field) + gd_field_memsize(better->field));
+    server_cache_unpin(old); /* its bytes go with its last pin */
+    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(better->field));
+    server_cache_unpin(better);
+    server_cache_unpin(found);
+}
+
+static void who_waits_for_one_that_gave_up_looks_again(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    assert_true(server_cache_join(fixture->shelf, &source, &job.job));
+    server_cache_abandon(flight);
+    sem_wait(&job.done);
+    assert_int_equal(job.runs, 1);
+    add(fixture, 7);
+}
+
+static void who_waits_for_one_that_failed_is_refused(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    assert_true(server_cache_join(fixture->shelf, &source, &job.job));
+    server_cache_fail(flight, SERVER_REFUSAL_MEMORY);
+    assert_int_equal(job.refusals, 1);
+    assert_int_equal(job.why, SERVER_REFUSAL_MEMORY);
+}
+
+static void who_waits_has_a_deadline(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job early, late;
+    test_job_init(&early, NULL);
+    test_job_init(&late, NULL);
+    early.job.deadline_ns = 1000;
+    assert_true(server_cache_join(fixture->shelf, &source, &late.job));
+    assert_true(server_cache_join(fixture->shelf, &source, &early.job));
+    server_cache_expire(fixture->cache, 1000);
+    assert_int_equal(early.refusals, 1);
+    assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
+    assert_true(server_cache_is_awaited(flight));
+    server_cache_abandon(flight);
+    sem_wait(&late.done);
+    assert_int_equal(late.runs, 1);
+}
+
+static void closing_ends_the_fields_but_not_the_pins(void **state)
+{
+    struct fixture *fixture = *state;
+    add(fixture, 1);
+    add(fixture, 2);
+    const struct server_cached *pinned = find(fixture, 1);
+    struct server_flight *flight = enter(fixture, 3);
+    server_shelf_close(fixture->shelf);
+    assert_false(has(fixture, 1));
+    assert_int_equal(server_shelf_count(fixture->shelf), 0);
+    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(pinned->field));
+    server_cache_unpin(land(fixture, flight, 3)); /* lands, and is gone with its pin */
+    assert_false(has(fixture, 3));
+    server_cache_unpin(pinned);
+    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
+}
+
+/* Shrinks the budget to what is held now, so that one more byte has to be reclaimed. */
+static void fill_up(struct fixture *fixture)
+{
+    fixture->budget.limit = fixture->budget.total;
+}
+
+static void evicts_what_is_least_used(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t vertex = 0; vertex < 8; vertex++) add(fixture, vertex);
+    for (int use = 0; use < 1000; use++) /* more than build times can differ */
+        for (uint32_t vertex = 0; vertex < 8; vertex++)
+            if (vertex != 5) assert_true(has(fixture, vertex));
+    fill_up(fixture);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
+    server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
+    assert_int_equal(server_cache_statistics(fixture->cache).evictions, 1);
+    assert_false(has(fixture, 5));
+}
+
+static void what_was_used_long_ago_goes_too(void **state)
+{
+    struct fixture *fixture = *state;
+    add(fixture, 0);
+    for (int use = 0; use < 20; use++) assert_true(has(fixture, 0));
+    for (uint32_t vertex = 1; vertex < 160 && has(fixture, 0); vertex++) {
+        add(fixture, vertex);
+        fill_up(fixture); /* room for one only */
+        assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
+        server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
+        fixture->budget.limit = AMPLE;
+    }
+    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+}
+
+static void what_is_pinned_stays(void **state)
+{
+    struct fixture *fixture = *state;
+    add(fixture, 0);
+    add(fixture, 1);
+    const struct server_cached *pinned = find(fixture, 0);
+    size_t bytes = fixture->budget.total;
+    fill_up(fixture);
+    assert_false(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    assert_true(has(fixture, 0));
+    assert_false(has(fixture, 1));
+    server_cache_unpin(pinned);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes);
+    assert_false(has(fixture, 0));
+}
+
+struct reader {
+    struct fixture *fixture;
+    uint32_t seed;
+};
+
+/* Asks for random sources, builds what is missing, takes memory away meanwhile. */
+static void *read_and_build(void *user)
+{
+    struct reader *reader = user;
+    struct fixture *fixture = reader->fixture;
+    for (int step = 0; step < 300; step++) {
+        uint32_t vertex = (reader->seed = reader->seed * 1664525 + 1013904223) >> 8 & 15;
+        struct gd_point source = vertex_point(fixture->mesh, vertex);
+        const struct server_cached *cached = server_cache_find(fixture->shelf, &source);
+        struct server_flight *flight = NULL;
+        struct test_job job;
+        test_job_init(&job, NULL);
+        switch (server_cache_enter(fixture->shelf, &source, cached, &job.job, &flight)) {
+        case SERVER_CACHE_BUILD:
+            if (cached)
+                server_cache_abandon(flight);
+            else
+                server_cache_unpin(land(fixture, flight, vertex));
+            break;
+        case SERVER_CACHE_WAIT:
+            sem_wait(&job.done);
+            break;
+        case SERVER_CACHE_AGAIN:
+        case SERVER_CACHE_NO_MEMORY:
+            break;
+        }
+        server_cache_unpin(cached);
+        if (step % 50 == 0) fixture->budget.reclaim(fixture->budget.reclaim_user, 1 << 16);
+    }
+    return NULL;
+}
+
+static void many_threads_at_once(void **state)
+{
+    struct reader readers[4];
+    pthread_t threads[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        readers[i] = (struct reader){*state, i};
+        pthread_create(&threads[i], NULL, read_and_build, &readers[i]);
+    }
+    for (int i = 0; i < 4; i++) pthread_join(threads[i], NULL);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(finds_what_has_landed),
+        TEST(shelves_do_not_share),
+        TEST(one_builds_and_the_others_wait),
+        TEST(what_came_meanwhile_is_looked_at_again),
+        TEST(a_better_field_takes_the_place_of_the_old_one),
+        TEST(who_waits_for_one_that_gave_up_looks_again),
+        TEST(who_waits_for_one_that_failed_is_refused),
+        TEST(who_waits_has_a_deadline),
+        TEST(closing_ends_the_fields_but_not_the_pins),
+        TEST(evicts_what_is_least_used),
+        TEST(what_was_used_long_ago_goes_too),
+        TEST(what_is_pinned_stays),
+        TEST(many_threads_at_once),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

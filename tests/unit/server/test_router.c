@@ -1,0 +1,259 @@
+/* The way of an exchange through router, handlers and workers, without a network. */
+#include "support.h"
+
+#include <stdio.h>
+
+#include "server/registry.h"
+#include "server/reply.h"
+#include "server/router.h"
+#include "server/server.h"
+#include "server/timekeeper.h"
+
+static struct server server;
+static sem_t finished;
+
+static void finish(struct server_exchange *exchange)
+{
+    (void)exchange;
+    sem_post(&finished);
+}
+
+static bool is_gone(struct server_exchange *exchange)
+{
+    (void)exchange;
+    return false;
+}
+
+static const struct server_transport transport = {finish, is_gone};
+
+static int set_up(void **state)
+{
+    (void)state;
+    memset(&server, 0, sizeof server);
+    server.config =
+        (struct server_config){.timeout_ms = 10000, .max_body = 1 << 20, .max_faces = 1000, .queue_length = 10};
+    server.guard.config = &server.config;
+    server_budget_init(&server.budget, 64 << 20);
+    server.workers = server_workers_create(1, 10);
+    server.cache = server_cache_create(&server.budget, server.workers);
+    server.store = server_registry_create();
+    server.metrics = server_metrics_create(proto_routes, proto_route_count);
+    server.timekeeper = server_timekeeper_create(&server);
+    sem_init(&finished, 0, 0);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    server_timekeeper_destroy(server.timekeeper);
+    server_workers_cancel(server.workers);
+    server.store->close(server.store);
+    server_cache_destroy(server.cache);
+    server_workers_destroy(server.workers);
+    server_metrics_destroy(server.metrics);
+    assert_int_equal(server.budget.total, 0);
+    return 0;
+}
+
+/* Headers are "Name: value" lines. */
+static struct server_exchange *begin(const char *method, const char *target, char *headers)
+{
+    struct server_exchange *exchange = server_exchange_create(&server, &transport, target);
+    char *rest = headers;
+    exchange->method = method;
+    server_exchange_add_header(exchange, "Host", "localhost");
+    for (char *line; (line = strsep(&rest, "\n"));) {
+        char *colon = strchr(line, ':');
+        if (!colon) continue;
+        *colon = '\0';
+        server_exchange_add_header(exchange, line, colon + 2);
+    }
+    server_router_begin(exchange);
+    return exchange;
+}
+
+static struct server_exchange *exchange_of(const char *method, const char *target, const char *headers,
+                                           const char *body)
+{
+    char lines[256];
+    snprintf(lines, sizeof lines, "%s", headers);
+    struct server_exchange *exchange = begin(method, target, lines); /* done with when this returns */
+    if (exchange->response.status == 0 && body) server_body_append(&exchange->body, &server.budget, body, strlen(body));
+    server_router_end(exchange);
+    if (exchange->response.status == 0) {
+        server_exchange_submit(exchange);
+        sem_wait(&finished);
+    }
+    return exchange;
+}
+
+static unsigned status_of(const char *method, const char *target, const char *headers, const char *body)
+{
+    struct server_exchange *exchange = exchange_of(method, target, headers, body);
+    unsigned status = exchange->response.status;
+    server_exchange_destroy(exchange);
+    return status;
+}
+
+static const char *response_header(const struct server_exchange *exchange, const char *name)
+{
+    for (uint32_t i = 0; i < exchange->response.header_count; i++)
+        if (strcmp(exchange->response.headers[i].name, name) == 0) return exchange->response.headers[i].value;
+    return NULL;
+}
+
+static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+#define PUT_SQUARE() status_of("PUT", "/v1/meshes/square", "Content-Length: 48", square)
+
+static void an_upload_and_a_question(void **state)
+{
+    (void)state;
+    assert_int_equal(strlen(square), 48);
+    assert_int_equal(PUT_SQUARE(), 201);
+    assert_int_equal(PUT_SQUARE(), 200);
+    struct server_exchange *exchange =
+        exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v%3a1&fields=distance", "", NULL);
+    assert_int_equal(exchange->response.status, 200);
+    assert_int_equal(exchange->response.size, strlen("{\"distance\":1}"));
+    assert_memory_equal(exchange->response.body, "{\"distance\":1}", exchange->response.size);
+    assert_ptr_not_equal(exchange->work, NULL); /* the second lane */
+    server_exchange_destroy(exchange);
+    exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
+    assert_ptr_equal(exchange->work, NULL); /* the first */
+    server_exchange_destroy(exchange);
+    assert_int_equal(status_of("DELETE", "/v1/meshes/square", "", NULL), 204);
+    assert_int_equal(status_of("GET", "/v1/meshes/square", "", NULL), 404);
+}
+
+static void a_number_may_hold_a_plus_sign(void **state)
+{
+    (void)state;
+    assert_int_equal(PUT_SQUARE(), 201);
+    assert_int_equal(status_of("GET", "/v1/meshes/square/nearest?point=p:5e-1,2.5e+0,1e+2", "", NULL), 200);
+}
+
+static void targets_that_can_not_be_read(void **state)
+{
+    (void)state;
+    static const char *const targets[] = {"/v1/%",        "/v1/%4",  "/v1/%zz", "/v1/%00", "/v1%2fmeshes",
+                                          "/v1%2Fmeshes", "/v1/%0a", "/v1?a=%", "/v1?%00"};
+    for (size_t i = 0; i < COUNT(targets); i++) assert_int_equal(status_of("GET", targets[i], "", NULL), 400);
+    assert_int_equal(status_of("GET", "*", "", NULL), 404);
+    assert_int_equal(status_of("GET", "", "", NULL), 404);
+}
+
+static void what_is_refused_before_its_body_closes_the_connection(void **state)
+{
+    (void)state;
+    char wrong[] = "Content-Length: 48", fine[] = "Content-Length: 48",
+         twice[] = "Content-Length: 0\nContent-Length: 0", none[] = "";
+    struct server_exchange *exchange = begin("PUT", "/v1/nothing", wrong);
+    assert_int_equal(exchange->response.status, 404);
+    assert_true(exchange->response.close);
+    server_exchange_destroy(exchange);
+    exchange = begin("PUT", "/v1/meshes/a", fine);
+    assert_int_equal(exchange->response.status, 0);
+    assert_false(exchange->response.close);
+    server_exchange_destroy(exchange);
+    exchange = begin("PUT", "/v1/meshes/a", twice);
+    assert_int_equal(exchange->response.status, 400);
+    assert_true(exchange->response.close);
+    server_exchange_destroy(exchange);
+    exchange = begin("GET", "/v1/nothing", none);
+    assert_int_equal(exchange->response.status, 404);
+    assert_false(exchange->response.close);
+    server_exchange_destroy(exchange);
+}
+
+static void a_request_is_named(void **state)
+{
+    (void)state;
+    struct server_exchange *exchange = exchange_of("GET", "/v1", "X-Request-Id: a.B-9_", NULL);
+    assert_string_equal(response_header(exchange, "X-Request-Id"), "a.B-9_");
+    server_exchange_destroy(exchange);
+    struct server_exchange *a = exchange_of("GET", "/v1", "X-Request-Id: a b", NULL),
+                           *b = exchange_of("GET", "/v1", "", NULL);
+    assert_string_not_equal(a->request_id, "a b");
+    assert_string_not_equal(a->request_id, b->request_id);
+    server_exchange_destroy(a);
+    server_exchange_destroy(b);
+}
+
+static void options_tell_what_is_allowed(void **state)
+{
+    (void)state;
+    struct server_exchange *exchange = exchange_of("OPTIONS", "/v1/meshes", "", NULL);
+    assert_int_equal(exchange->response.status, 204);
+    assert_string_equal(response_header(exchange, "Allow"), "GET, HEAD, POST, OPTIONS");
+    server_exchange_destroy(exchange);
+}
+
+static void long_answers_are_compressed_for_those_who_take_it(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *accept;
+        bool compressed;
+    } cases[] = {{"", false},
+                 {"Accept-Encoding: gzip", true},
+                 {"Accept-Encoding: br, GZIP;q=0.5", true},
+                 {"Accept-Encoding: gzip;q=0", false},
+                 {"Accept-Encoding: gzip;q=0.0, br", false},
+                 {"Accept-Encoding: gzip;q=0.001", true},
+                 {"Accept-Encoding: gzip, br;q=0", true},
+                 {"Accept-Encoding: identity", false}};
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct server_exchange *exchange = exchange_of("GET", "/metrics", cases[i].accept, NULL);
+        assert_int_equal(response_header(exchange, "Content-Encoding") != NULL, cases[i].compressed);
+        assert_string_equal(response_header(exchange, "Vary"), "Accept-Encoding");
+        const unsigned char *body = exchange->response.body;
+        assert_int_equal(body[0] == 0x1f && body[1] == 0x8b, cases[i].compressed);
+        server_exchange_destroy(exchange);
+    }
+    struct server_exchange *small = exchange_of("GET", "/livez", "Accept-Encoding: gzip", NULL);
+    assert_null(response_header(small, "Content-Encoding"));
+    server_exchange_destroy(small);
+}
+
+static void a_drain_shows(void **state)
+{
+    (void)state;
+    atomic_store(&server.draining, true);
+    struct server_exchange *exchange = exchange_of("GET", "/readyz", "", NULL);
+    assert_int_equal(exchange->response.status, 503);
+    assert_true(exchange->response.close);
+    assert_string_equal(response_header(exchange, "Retry-After"), "1");
+    server_exchange_destroy(exchange);
+    assert_int_equal(status_of("GET", "/livez", "", NULL), 200);
+}
+
+static void work_after_the_cancel_is_told_so(void **state)
+{
+    (void)state;
+    assert_int_equal(PUT_SQUARE(), 201);
+    server_workers_cancel(server.workers);
+    struct server_exchange *exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
+    assert_int_equal(exchange->response.status, 503);
+    assert_string_equal(exchange->response.code, "draining");
+    server_exchange_destroy(exchange);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(an_upload_and_a_question),
+        TEST(a_number_may_hold_a_plus_sign),
+        TEST(targets_that_can_not_be_read),
+        TEST(what_is_refused_before_its_body_closes_the_connection),
+        TEST(a_request_is_named),
+        TEST(options_tell_what_is_allowed),
+        TEST(long_answers_are_compressed_for_those_who_take_it),
+        TEST(a_drain_shows),
+        TEST(work_after_the_cancel_is_told_so),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

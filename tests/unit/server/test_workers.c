@@ -1,0 +1,127 @@
+#include "support.h"
+
+#include "gd/control.h"
+
+static void runs_what_is_submitted(void **state)
+{
+    (void)state;
+    struct server_workers *workers = server_workers_create(2, 100);
+    struct test_job jobs[50];
+    for (size_t i = 0; i < COUNT(jobs); i++) {
+        test_job_init(&jobs[i], NULL);
+        assert_true(server_workers_submit(workers, &jobs[i].job));
+    }
+    for (size_t i = 0; i < COUNT(jobs); i++) sem_wait(&jobs[i].done);
+    server_workers_destroy(workers);
+    for (size_t i = 0; i < COUNT(jobs); i++) {
+        assert_int_equal(jobs[i].runs, 1);
+        assert_int_equal(jobs[i].refusals, 0);
+    }
+}
+
+/* A pool of one thread that is busy until `hold` is posted. */
+static struct server_workers *busy_workers(struct test_job *first, sem_t *hold, uint32_t queue_length)
+{
+    struct server_workers *workers = server_workers_create(1, queue_length);
+    sem_init(hold, 0, 0);
+    test_job_init(first, hold);
+    assert_true(server_workers_submit(workers, &first->job));
+    while (server_workers_load(workers).running == 0) continue;
+    return workers;
+}
+
+static void a_full_queue_takes_no_more_but_those_that_come_back(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, queued[2], refused, parked;
+    struct server_workers *workers = busy_workers(&first, &hold, 2);
+    for (int i = 0; i < 2; i++) {
+        test_job_init(&queued[i], NULL);
+        assert_true(server_workers_submit(workers, &queued[i].job));
+    }
+    test_job_init(&refused, NULL);
+    assert_false(server_workers_submit(workers, &refused.job));
+    test_job_init(&parked, NULL);
+    server_workers_resume(workers, &parked.job);
+    assert_int_equal(server_workers_load(workers).queued, 3);
+    sem_post(&hold);
+    sem_wait(&parked.done);
+    sem_wait(&queued[1].done);
+    server_workers_destroy(workers);
+    assert_int_equal(queued[0].runs + queued[1].runs + parked.runs, 3);
+    assert_int_equal(refused.runs + refused.refusals, 0);
+}
+
+static void a_deadline_is_kept_in_the_queue(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, early, late;
+    struct server_workers *workers = busy_workers(&first, &hold, 10);
+    test_job_init(&early, NULL);
+    test_job_init(&late, NULL);
+    early.job.deadline_ns = gd_now_ns() + 1000;
+    assert_true(server_workers_submit(workers, &late.job));
+    assert_true(server_workers_submit(workers, &early.job));
+    server_workers_expire(workers, early.job.deadline_ns - 1);
+    assert_int_equal(early.refusals, 0);
+    server_workers_expire(workers, early.job.deadline_ns);
+    assert_int_equal(early.refusals, 1);
+    assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
+    assert_int_equal(server_workers_load(workers).queued, 1);
+    sem_post(&hold);
+    sem_wait(&late.done);
+    server_workers_destroy(workers);
+    assert_int_equal(late.runs, 1);
+    assert_int_equal(early.runs, 0);
+}
+
+static void a_job_whose_deadline_has_passed_is_not_begun(void **state)
+{
+    (void)state;
+    struct server_workers *workers = server_workers_create(1, 10);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    job.job.deadline_ns = 1;
+    assert_true(server_workers_submit(workers, &job.job));
+    sem_wait(&job.done);
+    server_workers_destroy(workers);
+    assert_int_equal(job.refusals, 1);
+    assert_int_equal(job.why, SERVER_REFUSAL_DEADLINE);
+}
+
+static void a_cancel_refuses_all_that_is_not_running(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, queued, later, parked;
+    struct server_workers *workers = busy_workers(&first, &hold, 10);
+    test_job_init(&queued, NULL);
+    test_job_init(&later, NULL);
+    test_job_init(&parked, NULL);
+    assert_true(server_workers_submit(workers, &queued.job));
+    assert_false(server_workers_cancelled(workers));
+    server_workers_cancel(workers);
+    assert_true(server_workers_cancelled(workers));
+    assert_true(server_workers_submit(workers, &later.job)); /* refused by its own function, so it counts as taken */
+    server_workers_resume(workers, &parked.job);
+    assert_int_equal(queued.refusals + later.refusals + parked.refusals, 3);
+    assert_int_equal(queued.why, SERVER_REFUSAL_DRAINING);
+    assert_int_equal(first.runs, 0);
+    sem_post(&hold);
+    server_workers_destroy(workers); /* waits for the running one */
+    assert_int_equal(first.runs, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(runs_what_is_submitted),
+        cmocka_unit_test(a_full_queue_takes_no_more_but_those_that_come_back),
+        cmocka_unit_test(a_deadline_is_kept_in_the_queue),
+        cmocka_unit_test(a_job_whose_deadline_has_passed_is_not_begun),
+        cmocka_unit_test(a_cancel_refuses_all_that_is_not_running),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
