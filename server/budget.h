@@ -5,9 +5,8 @@
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
  * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit first asks the reclaimer
- * (the field cache) to let go of enough, then tries again. The reclaimer takes the cache's lock: so no lock at or
- * below the cache's may be held around a take; a give never calls out and is allowed anywhere. All functions are
- * thread-safe. */
+ * (the field cache) to let go of enough, then tries again. The reclaimer takes the cache's lock: so no
+ * lock is held around a take; a give never calls out and is allowed anywhere. All functions are thread-safe. */
 #ifndef SERVER_BUDGET_H
 #define SERVER_BUDGET_H
 

@@ -3,8 +3,9 @@
  * DESIGN. An exchange belongs to one thread at a time: the HTTP thread that reads it, then, if the handler
  * deferred it, the queue, a worker or a flight of the cache, then the HTTP thread again. The hand-over is the
  * workers' lock one way and transport->finish the other: who has submitted, parked or finished an exchange does
- * not touch it any more. States: reading -> ready -> answered, or deferred -> answered. Answered means
- * response.status is set (reply.h).
+ * not touch it any more.
+ *
+ * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is set (reply.h).
  *
  * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
  * server_exchange_defer. */

@@ -7,10 +7,13 @@
  *     PARKED  the connection is suspended, a worker has the exchange; its transport's finish resumes the
  *             connection, and then the answer is queued
  *     DONE    the answer is with the library
+ *
  * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must not be stopped
  * while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone, and the server waits for all
- * deferred exchanges before it stops. It can answer during an upload only in the first call, before any byte of
- * the body: what is found out later is answered after it. */
+ * deferred exchanges before it stops.
+ *
+ * It can answer during an upload only in the first call, before any byte of the body: what is found out later is
+ * answered after it. */
 #include "server/http.h"
 
 #include <microhttpd.h>

@@ -1,7 +1,9 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, store, metrics, http.
- * Locks, outermost first: store, cache, workers; metrics and budget are atomic; the timekeeper's lock is a leaf.
+ * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, store, metrics,
+ * timekeeper, http. Workers, cache, store and timekeeper have a lock each; no thread ever holds two of them. Budget
+ * and metrics are atomic.
+ *
  * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
  * cancelled -> every deferred exchange has finished -> HTTP stops -> the parts are destroyed in reverse order. */
 #ifndef SERVER_SERVER_H

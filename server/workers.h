@@ -1,11 +1,11 @@
 /* Workers: the second lane. A bounded queue of jobs and the threads that run them.
  *
- * DESIGN. A job has one owner at a time: its maker, this queue, the thread that runs it, or a list that it was
- * parked in (the cache's flights); `next` belongs to that owner. Each submitted job ends in exactly one call of
- * `run` (which may park it, to come back through server_workers_resume) or of `refuse`. States of the whole: open
- * -> cancelled (jobs in the queue and coming ones are refused, running ones see server_workers_cancelled and stop)
- * -> destroyed. One mutex guards queue and state; `run` and `refuse` are called without it, so they may take any
- * lock. */
+ * DESIGN. Each submitted job ends in exactly one call of `run` that does not park it or of `refuse` (job.h); a parked
+ * one comes back through server_workers_resume. One mutex guards queue and state; `run` and `refuse` are called
+ * without it, so they may take any lock.
+ *
+ * States: open -> cancelled (jobs in the queue and coming ones are refused, running ones see
+ * server_workers_cancelled and stop) -> destroyed. */
 #ifndef SERVER_WORKERS_H
 #define SERVER_WORKERS_H
 

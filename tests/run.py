@@ -24,6 +24,8 @@ SKIP = re.compile(r"^(ok\b.*# SKIP|skip\b)", re.M | re.I)
 def run(command, timeout):
     started = time.monotonic()
     environment = dict(os.environ, CMOCKA_MESSAGE_OUTPUT="TAP")
+    # sanitizers' allocators answer like malloc: refusals of memory are among what is tested
+    environment.setdefault("ASAN_OPTIONS", "allocator_may_return_null=1:detect_stack_use_after_return=1")
     try:
         done = subprocess.run(shlex.split(command), env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=timeout, text=True, errors="replace")

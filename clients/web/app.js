@@ -55,8 +55,9 @@ function deleteButton(mesh) {
 
 function row(mesh) {
   const tr = document.createElement("tr");
-  const numbers = [mesh.vertices, mesh.faces, mesh.components, mesh.boundaries.length, mesh.genus].map((n) => n.toLocaleString());
-  const texts = [mesh.name, ...numbers, mesh.area.toPrecision(6), bytes(mesh.memory_bytes)];
+  const counts = [mesh.vertices, mesh.faces, mesh.components, mesh.boundaries.length, mesh.genus];
+  const measures = [mesh.area.toPrecision(6), bytes(mesh.memory_bytes)];
+  const texts = [mesh.name, ...counts.map((n) => n.toLocaleString()), ...measures];
   tr.append(...texts.map(cell), cell(deleteButton(mesh)));
   return tr;
 }
@@ -155,11 +156,13 @@ function distanceText(answer) {
   return answer.reason === "no_path" ? "none: the points are in different components" : `none: ${answer.reason}`;
 }
 
+const pathText = (path) => (path ? `${path.points.length} points, length ${path.length}` : "none");
+
 function show(answer, milliseconds) {
   element("distance").textContent = distanceText(answer);
   element("answer-from").textContent = pointText(answer.from);
   element("answer-to").textContent = pointText(answer.to);
-  element("path").textContent = answer.path ? `${answer.path.points.length} points, length ${answer.path.length}` : "not asked for";
+  element("path").textContent = pathText(answer.path);
   element("time").textContent = `${milliseconds.toFixed(1)} ms, there and back`;
   element("answer").hidden = false;
 }

@@ -3,7 +3,7 @@
 
 #include "gd/io.h"
 #include "gd/vec.h"
-#include "io/sink.h"
+#include "io/output.h"
 
 static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
 {
@@ -20,99 +20,99 @@ static uint32_t largest_polygon(const struct gd_polygons *polygons)
     return largest;
 }
 
-static void write_xyz(struct gd__sink *sink, const double position[3], const char *separator)
+static void write_xyz(struct gd__output *output, const double position[3], const char *separator)
 {
     for (int axis = 0; axis < 3; axis++) {
-        if (axis > 0) gd__sink_text(sink, separator);
-        gd__sink_double(sink, position[axis]);
+        if (axis > 0) gd__output_text(output, separator);
+        gd__output_double(output, position[axis]);
     }
 }
 
 /* The polygon's vertices, the first vertex of all numbered `base`. */
-static void write_corners(struct gd__sink *sink, const struct gd_polygons *polygons, uint32_t polygon, uint32_t base,
-                          const char *separator)
+static void write_corners(struct gd__output *output, const struct gd_polygons *polygons, uint32_t polygon,
+                          uint32_t base, const char *separator)
 {
     uint32_t first = gd_polygons_first(polygons, polygon), end = gd_polygons_first(polygons, polygon + 1);
     for (uint32_t corner = first; corner < end; corner++) {
-        if (corner > first) gd__sink_text(sink, separator);
-        gd__sink_integer(sink, (uint64_t)polygons->corners[corner] + base);
+        if (corner > first) gd__output_text(output, separator);
+        gd__output_integer(output, (uint64_t)polygons->corners[corner] + base);
     }
 }
 
-static enum gd_status write_obj(struct gd__sink *sink, const struct gd_polygons *polygons)
+static enum gd_status write_obj(struct gd__output *output, const struct gd_polygons *polygons)
 {
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        gd__sink_text(sink, "v ");
-        write_xyz(sink, polygons->positions[i], " ");
-        gd__sink_text(sink, "\n");
+        gd__output_text(output, "v ");
+        write_xyz(output, polygons->positions[i], " ");
+        gd__output_text(output, "\n");
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        gd__sink_text(sink, "f ");
-        write_corners(sink, polygons, i, 1, " ");
-        gd__sink_text(sink, "\n");
+        gd__output_text(output, "f ");
+        write_corners(output, polygons, i, 1, " ");
+        gd__output_text(output, "\n");
     }
     return GD_OK;
 }
 
-static enum gd_status write_off(struct gd__sink *sink, const struct gd_polygons *polygons)
+static enum gd_status write_off(struct gd__output *output, const struct gd_polygons *polygons)
 {
-    gd__sink_text(sink, "OFF\n");
-    gd__sink_integer(sink, polygons->position_count);
-    gd__sink_text(sink, " ");
-    gd__sink_integer(sink, polygons->polygon_count);
-    gd__sink_text(sink, " 0\n");
+    gd__output_text(output, "OFF\n");
+    gd__output_integer(output, polygons->position_count);
+    gd__output_text(output, " ");
+    gd__output_integer(output, polygons->polygon_count);
+    gd__output_text(output, " 0\n");
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        write_xyz(sink, polygons->positions[i], " ");
-        gd__sink_text(sink, "\n");
+        write_xyz(output, polygons->positions[i], " ");
+        gd__output_text(output, "\n");
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        gd__sink_integer(sink, size_of_polygon(polygons, i));
-        gd__sink_text(sink, " ");
-        write_corners(sink, polygons, i, 0, " ");
-        gd__sink_text(sink, "\n");
+        gd__output_integer(output, size_of_polygon(polygons, i));
+        gd__output_text(output, " ");
+        write_corners(output, polygons, i, 0, " ");
+        gd__output_text(output, "\n");
     }
     return GD_OK;
 }
 
-static enum gd_status write_json(struct gd__sink *sink, const struct gd_polygons *polygons)
+static enum gd_status write_json(struct gd__output *output, const struct gd_polygons *polygons)
 {
-    gd__sink_text(sink, "{\"vertices\":[");
+    gd__output_text(output, "{\"vertices\":[");
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        gd__sink_text(sink, i > 0 ? ",[" : "[");
-        write_xyz(sink, polygons->positions[i], ",");
-        gd__sink_text(sink, "]");
+        gd__output_text(output, i > 0 ? ",[" : "[");
+        write_xyz(output, polygons->positions[i], ",");
+        gd__output_text(output, "]");
     }
-    gd__sink_text(sink, "],\"faces\":[");
+    gd__output_text(output, "],\"faces\":[");
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        gd__sink_text(sink, i > 0 ? ",[" : "[");
-        write_corners(sink, polygons, i, 0, ",");
-        gd__sink_text(sink, "]");
+        gd__output_text(output, i > 0 ? ",[" : "[");
+        write_corners(output, polygons, i, 0, ",");
+        gd__output_text(output, "]");
     }
-    gd__sink_text(sink, "]}\n");
+    gd__output_text(output, "]}\n");
     return GD_OK;
 }
 
-static void write_ply_header(struct gd__sink *sink, const struct gd_polygons *polygons, bool long_lists)
+static void write_ply_header(struct gd__output *output, const struct gd_polygons *polygons, bool long_lists)
 {
-    gd__sink_text(sink, "ply\nformat binary_little_endian 1.0\nelement vertex ");
-    gd__sink_integer(sink, polygons->position_count);
-    gd__sink_text(sink, "\nproperty double x\nproperty double y\nproperty double z\nelement face ");
-    gd__sink_integer(sink, polygons->polygon_count);
-    gd__sink_text(sink, long_lists ? "\nproperty list uint uint vertex_indices\nend_header\n"
-                                   : "\nproperty list uchar uint vertex_indices\nend_header\n");
+    gd__output_text(output, "ply\nformat binary_little_endian 1.0\nelement vertex ");
+    gd__output_integer(output, polygons->position_count);
+    gd__output_text(output, "\nproperty double x\nproperty double y\nproperty double z\nelement face ");
+    gd__output_integer(output, polygons->polygon_count);
+    gd__output_text(output, long_lists ? "\nproperty list uint uint vertex_indices\nend_header\n"
+                                       : "\nproperty list uchar uint vertex_indices\nend_header\n");
 }
 
-static enum gd_status write_ply(struct gd__sink *sink, const struct gd_polygons *polygons)
+static enum gd_status write_ply(struct gd__output *output, const struct gd_polygons *polygons)
 {
     bool long_lists = largest_polygon(polygons) > UINT8_MAX;
-    write_ply_header(sink, polygons, long_lists);
+    write_ply_header(output, polygons, long_lists);
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        for (int axis = 0; axis < 3; axis++) gd__sink_f64(sink, polygons->positions[i][axis]);
+        for (int axis = 0; axis < 3; axis++) gd__output_f64(output, polygons->positions[i][axis]);
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
-        gd__sink_little_endian(sink, size_of_polygon(polygons, i), long_lists ? 4 : 1);
+        gd__output_little_endian(output, size_of_polygon(polygons, i), long_lists ? 4 : 1);
         for (uint32_t corner = gd_polygons_first(polygons, i); corner < gd_polygons_first(polygons, i + 1); corner++) {
-            gd__sink_little_endian(sink, polygons->corners[corner], 4);
+            gd__output_little_endian(output, polygons->corners[corner], 4);
         }
     }
     return GD_OK;
@@ -132,11 +132,11 @@ static struct gd_vec3 normal_of(struct gd_vec3 a, struct gd_vec3 b, struct gd_ve
     return gd_vec3_scale(normal, length > 0 ? 1 / length : 0);
 }
 
-static void write_stl_vector(struct gd__sink *sink, struct gd_vec3 v)
+static void write_stl_vector(struct gd__output *output, struct gd_vec3 v)
 {
-    gd__sink_f32(sink, (float)v.x);
-    gd__sink_f32(sink, (float)v.y);
-    gd__sink_f32(sink, (float)v.z);
+    gd__output_f32(output, (float)v.x);
+    gd__output_f32(output, (float)v.y);
+    gd__output_f32(output, (float)v.z);
 }
 
 static bool all_triangles(const struct gd_polygons *polygons)
@@ -152,31 +152,31 @@ static bool fits_floats(struct gd_vec3 v)
     return isfinite((float)v.x) && isfinite((float)v.y) && isfinite((float)v.z);
 }
 
-static enum gd_status write_stl(struct gd__sink *sink, const struct gd_polygons *polygons)
+static enum gd_status write_stl(struct gd__output *output, const struct gd_polygons *polygons)
 {
     if (!all_triangles(polygons)) return GD_NOT_TRIANGLES;
     static const char header[80] = "binary STL"; /* must not begin with "solid" */
-    gd__sink_bytes(sink, header, sizeof header);
-    gd__sink_little_endian(sink, polygons->polygon_count, 4);
+    gd__output_bytes(output, header, sizeof header);
+    gd__output_little_endian(output, polygons->polygon_count, 4);
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         struct gd_vec3 corners[3];
         for (uint32_t k = 0; k < 3; k++) {
             corners[k] = corner_position(polygons, gd_polygons_first(polygons, i) + k);
             if (!fits_floats(corners[k])) return GD_NON_FINITE;
         }
-        write_stl_vector(sink, normal_of(corners[0], corners[1], corners[2]));
-        for (int k = 0; k < 3; k++) write_stl_vector(sink, corners[k]);
-        gd__sink_little_endian(sink, 0, 2); /* attributes: none */
+        write_stl_vector(output, normal_of(corners[0], corners[1], corners[2]));
+        for (int k = 0; k < 3; k++) write_stl_vector(output, corners[k]);
+        gd__output_little_endian(output, 0, 2); /* attributes: none */
     }
     return GD_OK;
 }
 
-static enum gd_status write_format(struct gd__sink *sink, const struct gd_polygons *polygons, enum gd_format format)
+static enum gd_status write_format(struct gd__output *output, const struct gd_polygons *polygons, enum gd_format format)
 {
     switch (format) {
 #define WRITER_CASE(NAME, name, media)                                                                                 \
     case GD_FORMAT_##NAME:                                                                                             \
-        return write_##name(sink, polygons);
+        return write_##name(output, polygons);
         GD_FORMAT_MAP(WRITER_CASE)
 #undef WRITER_CASE
     case GD_FORMAT_ANY:
@@ -187,14 +187,14 @@ static enum gd_status write_format(struct gd__sink *sink, const struct gd_polygo
 
 enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out, size_t *size)
 {
-    struct gd__sink sink = {0};
-    enum gd_status status = write_format(&sink, polygons, format);
-    if (status == GD_OK && sink.failed) status = GD_NO_MEMORY;
+    struct gd__output output = {0};
+    enum gd_status status = write_format(&output, polygons, format);
+    if (status == GD_OK && output.failed) status = GD_NO_MEMORY;
     if (status != GD_OK) {
-        free(sink.bytes);
+        free(output.bytes);
         return status;
     }
-    *out = sink.bytes;
-    *size = sink.size;
+    *out = output.bytes;
+    *size = output.size;
     return GD_OK;
 }

@@ -41,6 +41,11 @@ def sample(name, **parameters):
     return subprocess.run([PROGRAM.parent / "gd_sample", name, *arguments], check=True, stdout=subprocess.PIPE).stdout
 
 
+def header_fields(keywords):
+    """If_None_Match="*" as a keyword is the header If-None-Match."""
+    return {name.replace("_", "-"): value for name, value in keywords.items()}
+
+
 class Daemon:
     """A running daemon, and a context manager that stops it. `log` is what it has logged so far."""
 
@@ -91,14 +96,14 @@ class Daemon:
                 own.close()
 
     def get(self, path, **headers):
-        return self.request("GET", path, headers={key.replace("_", "-"): value for key, value in headers.items()})
+        return self.request("GET", path, headers=header_fields(headers))
 
     def put(self, name, body, options="", **headers):
-        return self.request("PUT", f"/v1/meshes/{name}{options}", body, {k.replace("_", "-"): v for k, v in headers.items()})
+        return self.request("PUT", f"/v1/meshes/{name}{options}", body, header_fields(headers))
 
-    def ask(self, name, query, document, options="", **headers):
-        headers = {"Content-Type": "application/json", **{k.replace("_", "-"): v for k, v in headers.items()}}
-        return self.request("POST", f"/v1/meshes/{name}/{query}{options}", json.dumps(document), headers)
+    def ask(self, name, query, document):
+        headers = {"Content-Type": "application/json"}
+        return self.request("POST", f"/v1/meshes/{name}/{query}", json.dumps(document), headers)
 
     def raw(self, text, shut=False):
         """Sends bytes as they are; all that comes back until the daemon closes or falls silent."""
@@ -139,7 +144,7 @@ class Daemon:
 
 
 class TestCase(unittest.TestCase):
-    """Tests that share a daemon, started with the class's `flags`. It must end well: so a sanitizer's complaint fails the class."""
+    """Tests that share a daemon, started with the class's `flags`. It has to end well, so sanitizers have their say."""
 
     flags = ()
 

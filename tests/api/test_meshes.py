@@ -65,8 +65,9 @@ class Put(TestCase):
         self.assertEqual(self.daemon.put("fresh", SQUARE, If_None_Match="*").status, 201)
 
     def test_expect_continue(self):
-        head = f"PUT /v1/meshes/expect HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(SQUARE)}\r\nExpect: 100-continue\r\n"
-        received = self.daemon.raw(head.encode() + b"Connection: close\r\n\r\n" + SQUARE)
+        fields = ["Host: localhost", f"Content-Length: {len(SQUARE)}", "Expect: 100-continue", "Connection: close"]
+        head = "\r\n".join(["PUT /v1/meshes/expect HTTP/1.1", *fields, "\r\n"])
+        received = self.daemon.raw(head.encode() + SQUARE)
         self.assertTrue(received.startswith(b"HTTP/1.1 100 "), received)
         self.assertIn(b"HTTP/1.1 201 ", received)
 

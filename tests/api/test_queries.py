@@ -1,4 +1,5 @@
 """Distance, path and nearest, on surfaces whose answers are known in closed form."""
+import gzip
 import math
 import unittest
 
@@ -21,8 +22,10 @@ class Pairs(TestCase):
 
     def test_flat(self):
         self.assertAlmostEqual(self.distance("square", "v:0", "v:2"), math.sqrt(2), 12)
-        self.assertAlmostEqual(self.distance("square", "e:0-1:0.5", "f:1:0.25,0.25,0.5"), math.dist((0.5, 0), (0.25, 0.75)), 12)
-        self.assertAlmostEqual(self.distance("grid", "p:0.1,0.2,0", "p:0.9,0.7,0"), math.dist((0.1, 0.2), (0.9, 0.7)), 12)
+        across = self.distance("square", "e:0-1:0.5", "f:1:0.25,0.25,0.5")
+        self.assertAlmostEqual(across, math.dist((0.5, 0), (0.25, 0.75)), 12)
+        far = self.distance("grid", "p:0.1,0.2,0", "p:0.9,0.7,0")
+        self.assertAlmostEqual(far, math.dist((0.1, 0.2), (0.9, 0.7)), 12)
 
     def test_it_is_a_metric(self):
         points = ["v:0", "p:1,1,1", "p:0.3,0.2,0", "p:0,0.4,0.7"]
@@ -68,18 +71,16 @@ class Pairs(TestCase):
 
     def test_compressed(self):
         url = "/v1/meshes/grid/path?from=v:0&to=p:0.99,0.93,0"
-        plain, gzip = self.daemon.get(url), self.daemon.get(url, Accept_Encoding="br, gzip")
+        plain, packed = self.daemon.get(url), self.daemon.get(url, Accept_Encoding="br, gzip")
         self.assertGreater(len(plain.body), 1024)
-        self.assertEqual((plain.headers["Content-Encoding"], gzip.headers["Content-Encoding"]), (None, "gzip"))
-        self.assertEqual(gzip.headers["Vary"], "Accept-Encoding")
-        import gzip as codec
-
-        self.assertEqual(codec.decompress(gzip.body), plain.body)
+        self.assertEqual((plain.headers["Content-Encoding"], packed.headers["Content-Encoding"]), (None, "gzip"))
+        self.assertEqual(packed.headers["Vary"], "Accept-Encoding")
+        self.assertEqual(gzip.decompress(packed.body), plain.body)
         refused = self.daemon.get(url, Accept_Encoding="gzip;q=0, identity")
         self.assertIsNone(refused.headers["Content-Encoding"])
 
     def test_a_question_far_beyond_the_first_one(self):
-        """The first question builds a field as far as its target, the second one the whole, the third one builds nothing."""
+        """The first question builds a field as far as its target, the second one the whole, the third one nothing."""
         self.daemon.put("fresh", sample("icosphere", level=4))
         builds = self.daemon.metric("cache_builds_total")
         steps = []
@@ -92,11 +93,13 @@ class Pairs(TestCase):
 
     def test_points_that_are_not_there(self):
         for point in ("v:99", "f:2:1,0,0", "e:1-3:0.5"):
-            problem = self.assert_problem(self.daemon.get(f"/v1/meshes/square/distance?from=v:0&to={point}"), 400, "invalid_request")
+            answer = self.daemon.get(f"/v1/meshes/square/distance?from=v:0&to={point}")
+            problem = self.assert_problem(answer, 400, "invalid_request")
             self.assertEqual(problem["parameter"], "to")
         answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": {"vertex": 99}})
         self.assertTrue(self.assert_problem(answer, 400, "invalid_request")["pointer"].startswith("/to"))
-        answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": {"xyz": [9, 9, 9], "max_snap": 0.5}})
+        far = {"xyz": [9, 9, 9], "max_snap": 0.5}
+        answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": far})
         self.assert_problem(answer, 422, "point_not_on_surface")
 
     def test_a_mesh_that_is_not_there(self):
@@ -121,9 +124,11 @@ class Nearest(TestCase):
             self.assertEqual((point["vertex"], point["face"], point["xyz"]), (2, 0, [1, 1, 0]))
 
     def test_ray(self):
-        hit = self.daemon.ask("square", "nearest", {"point": {"ray": {"origin": [0.75, 0.5, 5], "direction": [0, 0, -1]}}})
+        hit, missed = (
+            self.daemon.ask("square", "nearest", {"point": {"ray": {"origin": origin, "direction": [0, 0, -1]}}})
+            for origin in ([0.75, 0.5, 5], [7, 7, 5])
+        )
         self.assertEqual(hit.json["xyz"], [0.75, 0.5, 0])
-        missed = self.daemon.ask("square", "nearest", {"point": {"ray": {"origin": [7, 7, 5], "direction": [0, 0, -1]}}})
         self.assert_problem(missed, 422, "point_not_on_surface")
 
     def test_a_large_body_is_read_by_a_worker(self):

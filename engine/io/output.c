@@ -1,0 +1,82 @@
+#include "io/output.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/endian.h"
+#include "gd/number.h"
+
+#define SMALLEST_CAPACITY 1024
+
+static void fail(struct gd__output *output)
+{
+    free(output->bytes);
+    *output = (struct gd__output){.failed = true};
+}
+
+/* Where `size` more bytes may be put, NULL when there is no memory for them. */
+static char *room_for(struct gd__output *output, size_t size)
+{
+    if (output->failed) return NULL;
+    if (size <= output->capacity - output->size) return output->bytes + output->size;
+    size_t capacity =
+        output->capacity < SMALLEST_CAPACITY ? SMALLEST_CAPACITY : output->capacity + output->capacity / 2;
+    if (capacity - output->size < size) capacity = output->size + size;
+    char *bytes = realloc(output->bytes, capacity);
+    if (!bytes) {
+        fail(output);
+        return NULL;
+    }
+    output->bytes = bytes;
+    output->capacity = capacity;
+    return bytes + output->size;
+}
+
+void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size)
+{
+    char *at = room_for(output, size);
+    if (!at) return;
+    memcpy(at, bytes, size);
+    output->size += size;
+}
+
+void gd__output_text(struct gd__output *output, const char *text)
+{
+    gd__output_bytes(output, text, strlen(text));
+}
+
+void gd__output_integer(struct gd__output *output, uint64_t value)
+{
+    char digits[20]; /* of 2^64 - 1 */
+    char *end = digits + sizeof digits, *at = end;
+    do *--at = (char)('0' + value % 10);
+    while (value /= 10);
+    gd__output_bytes(output, at, (size_t)(end - at));
+}
+
+void gd__output_double(struct gd__output *output, double value)
+{
+    char *at = room_for(output, GD_NUMBER_SIZE);
+    if (at) output->size += (size_t)(gd_number_format(at, value) - at);
+}
+
+void gd__output_little_endian(struct gd__output *output, uint64_t bits, int size)
+{
+    char bytes[8];
+    gd__store_little_endian(bytes, bits, size);
+    gd__output_bytes(output, bytes, (size_t)size);
+}
+
+void gd__output_f32(struct gd__output *output, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    gd__output_little_endian(output, bits, 4);
+}
+
+void gd__output_f64(struct gd__output *output, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    gd__output_little_endian(output, bits, 8);
+}

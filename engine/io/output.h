@@ -1,0 +1,27 @@
+/* Output: bytes being written. Grows by half; once memory is out it holds nothing, takes nothing and says so at the end. */
+#ifndef GD_IO_OUTPUT_H
+#define GD_IO_OUTPUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct gd__output {
+    char *bytes;
+    size_t size, capacity;
+    bool failed;
+};
+
+void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size);
+void gd__output_text(struct gd__output *output, const char *text);
+
+/* Decimal text; a double is the shortest that reads back as the same double. */
+void gd__output_integer(struct gd__output *output, uint64_t value);
+void gd__output_double(struct gd__output *output, double value);
+
+/* The lowest `size` bytes of `bits`, and the bytes of a float or double. */
+void gd__output_little_endian(struct gd__output *output, uint64_t bits, int size);
+void gd__output_f32(struct gd__output *output, float value);
+void gd__output_f64(struct gd__output *output, double value);
+
+#endif
