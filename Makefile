@@ -31,7 +31,7 @@ LIB_SAMPLES := $(BUILD)/libgd_samples.a
 LIB_SUPPORT := $(BUILD)/libgd_support.a
 
 ENGINE_LIBS := -lOpenMeshCore -lm
-SERVER_LIBS := -lmicrohttpd -ljansson -lgnutls -lz
+SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lgnutls -lz
 
 # Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
 TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
@@ -51,7 +51,7 @@ help: ## list the targets
 # --- for people ----------------------------------------------------------------------------------------------------------
 
 # Everything that building, running and testing need, from Debian 12's own packages.
-PACKAGES := build-essential clang clang-format libopenmesh-dev libmicrohttpd-dev libjansson-dev libgnutls28-dev zlib1g-dev \
+PACKAGES := build-essential clang clang-format libopenmesh-dev libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
             libcmocka-dev libclang-rt-14-dev python3 python3-yaml curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
 

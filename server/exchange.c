@@ -60,7 +60,7 @@ static const char *split_query(struct server_exchange *exchange)
         if (equals) *equals = '\0';
         char *value = equals ? equals + 1 : part + strlen(part);
         if (!percent_decode(part) || !percent_decode(value)) return "the query string has a broken percent escape";
-        exchange->parameters[exchange->parameter_count++] = (struct server_pair){part, value};
+        exchange->parameters[exchange->parameter_count++] = (struct server_named_value){part, value};
     }
     return NULL;
 }
@@ -121,7 +121,7 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
     if (exchange->header_count == SERVER_EXCHANGE_HEADERS)
         exchange->fault = "the request has too many headers";
     else
-        exchange->headers[exchange->header_count++] = (struct server_pair){name, value ? value : ""};
+        exchange->headers[exchange->header_count++] = (struct server_named_value){name, value ? value : ""};
 }
 
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name)

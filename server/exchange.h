@@ -32,7 +32,7 @@ struct server;
 struct server_exchange;
 struct server_flight;
 
-struct server_pair { /* of strings that the transport or the exchange owns */
+struct server_named_value { /* of strings that the transport or the exchange owns */
     const char *name, *value;
 };
 
@@ -66,9 +66,9 @@ struct server_exchange {
     bool is_http10;
     char *path;  /* percent-decoded; never NULL */
     char *query; /* decoded in place: storage of the parameters */
-    struct server_pair parameters[SERVER_EXCHANGE_PARAMETERS];
+    struct server_named_value parameters[SERVER_EXCHANGE_PARAMETERS];
     uint32_t parameter_count;
-    struct server_pair headers[SERVER_EXCHANGE_HEADERS];
+    struct server_named_value headers[SERVER_EXCHANGE_HEADERS];
     uint32_t header_count;
     const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
     struct proto_route_match match; /* route NULL: none found */

@@ -25,7 +25,7 @@ static int by_face(const void *a, const void *b)
 }
 
 /* Seeds inside faces and on edges, by each face that contains them; those at vertices are found through the vertex. */
-static enum gd_status index_face_seeds(struct gd_field *field)
+enum gd_status gd__field_index_seeds(struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
@@ -51,10 +51,10 @@ static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_r
     for (uint32_t i = 0; i < request->seed_count; i++)
         field->seeds[i] =
             (struct gd__seed){.point = request->seeds[i].point, .offset = request->seeds[i].offset / field->mesh->unit};
-    return index_face_seeds(field);
+    return gd__field_index_seeds(field);
 }
 
-static size_t count_bytes(const struct gd_field *field)
+size_t gd__field_bytes(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     return sizeof *field + mesh->vertex_count * (sizeof *field->distance + sizeof *field->birth) +
@@ -69,10 +69,8 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
     enum gd_status status = check_request(request, detail);
     if (status) return status;
     uint64_t start = gd_now_ns();
-    struct gd_field *field = calloc(1, sizeof *field);
-    if (!field) return GD_NO_MEMORY;
-    atomic_init(&field->references, 1);
-    field->mesh = gd_mesh_retain(mesh);
+    struct gd_field *field = gd__field_create(mesh);
+    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     struct gd__sink keep_wedges = {.take = gd__field_take, .user = field};
     status = copy_seeds(field, request);
     struct gd__propagation propagation = {.seeds = field->seeds,
@@ -84,13 +82,31 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
         gd_field_release(field);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
-    field->bytes = count_bytes(field);
+    field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
     *out = field;
     return GD_OK;
 }
 
 /* --- life ---------------------------------------------------------------------------------------------------------------- */
+
+struct gd_field *gd__field_create(const struct gd_mesh *mesh)
+{
+    struct gd_field *field = calloc(1, sizeof *field);
+    if (!field) return NULL;
+    atomic_init(&field->references, 1);
+    field->mesh = gd_mesh_retain(mesh);
+    return field;
+}
+
+static void free_arrays(struct gd_field *field)
+{
+    free(field->distance);
+    free(field->birth);
+    free(field->first);
+    free(field->wedges);
+    free(field->seeds);
+}
 
 struct gd_field *gd_field_retain(const struct gd_field *field)
 {
@@ -104,11 +120,8 @@ void gd_field_release(const struct gd_field *field)
     struct gd_field *shared = (struct gd_field *)field;
     if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
     gd_mesh_release(shared->mesh);
-    free(shared->distance);
-    free(shared->birth);
-    free(shared->first);
-    free(shared->wedges);
-    free(shared->seeds);
+    if (!shared->is_image) free_arrays(shared);
+    if (shared->release_image) shared->release_image(shared->image_user);
     free(shared->face_seeds);
     free(shared);
 }

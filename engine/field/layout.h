@@ -36,6 +36,9 @@ struct gd_field {
     uint32_t face_seed_count;
     size_t bytes;
     struct gd_field_statistics statistics;
+    void (*release_image)(void *user);
+    void *image_user;
+    bool is_image; /* the arrays lie in an image and are not the field's to free */
 };
 
 #define GD__WEDGE_UNIT (1.0 / 4294967296.0) /* of the edge's length */
@@ -48,6 +51,15 @@ static inline double gd__field_sigma(const struct gd_field *field, uint32_t sour
 
 /* compact.c: the sink that keeps wedges: merges the two sides of every edge into one list and packs it into the field. */
 enum gd_status gd__field_take(void *field, struct gd__wavefront *front, const struct gd_executor *executor);
+
+/* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory. */
+struct gd_field *gd__field_create(const struct gd_mesh *mesh);
+
+/* field.c: fills face_seeds from the seeds. GD_NO_MEMORY. */
+enum gd_status gd__field_index_seeds(struct gd_field *field);
+
+/* field.c: what the arrays take. */
+size_t gd__field_bytes(const struct gd_field *field);
 
 /* The first of face_seeds that lies in `face`; those after it with the same face follow. */
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face);

@@ -4,7 +4,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "proto/decode.h"
 #include "server/reply.h"
 #include "server/server.h"
 

@@ -2,8 +2,7 @@
 #ifndef SERVER_HANDLERS_REQUEST_H
 #define SERVER_HANDLERS_REQUEST_H
 
-#include <jansson.h>
-
+#include "proto/decode.h"
 #include "server/exchange.h"
 #include "server/store.h"
 

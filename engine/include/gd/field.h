@@ -83,4 +83,20 @@ struct gd_wedge {
 GD_MUST_USE enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a, struct gd_vertex b,
                                            struct gd_wedge **out, uint32_t *count);
 
+/* --- images: a field as bytes, to be stored and mapped back --------------------------------------------------------- */
+
+/* Bytes of the field's image, and the image itself (gd_field_image_size bytes). Little-endian machines of any kind read each other's. */
+size_t gd_field_image_size(const struct gd_field *field);
+void gd_field_write_image(const struct gd_field *field, void *bytes);
+
+/* A field over an image in memory, without a copy: `bytes` (8-byte aligned) are borrowed until `release(user)` is called, which happens when the
+ * field's last reference goes, and not at all on failure. `release` may be NULL. The mesh must be the one the field was made on: built by the
+ * same version from the same input. Every index in the image is checked, so that no image, however damaged, leads outside its arrays; that
+ * the numbers are the ones written is for the caller's checksum to say.
+ * Errors: GD_UNRECOGNIZED (no image, or of another version), GD_TRUNCATED, GD_INVALID_ARGUMENT (of another mesh), GD_INDEX, GD_NO_MEMORY.
+ * Cost: one pass over the image. */
+GD_MUST_USE enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes, size_t size,
+                                               void (*release)(void *user), void *user, struct gd_field **out,
+                                               struct gd_detail *detail);
+
 #endif

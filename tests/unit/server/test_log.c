@@ -46,7 +46,7 @@ static void is_json_however_long(void **state)
         text[size] = '\0';
         assert_true(server_log_begin(&line, SERVER_LOG_ERROR, "test"));
         for (int i = 0; i < 8; i++) {
-            char key[8];
+            char key[16];
             snprintf(key, sizeof key, "key%d", i);
             server_log_text(&line, key, text);
         }

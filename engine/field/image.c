@@ -1,0 +1,209 @@
+#include "field/layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* An image: a header, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct layout below. */
+
+static const char magic[8] = "GDFIELD";
+static const uint32_t version = 1; /* of this layout and of the numbering that a mesh gives its elements */
+static const uint32_t byte_order = 0x01020304;
+
+struct header {
+    char magic[8];
+    uint32_t version, byte_order;
+    uint64_t fingerprint; /* of the mesh */
+    uint64_t wedge_count;
+    uint32_t vertex_count, edge_count, seed_count, reserved;
+    double reach;
+    struct gd_field_statistics statistics;
+};
+
+/* Where the arrays begin, and the size of the whole. */
+struct layout {
+    size_t distance, birth, first, wedges, seeds, size;
+};
+
+static size_t place(size_t *end, size_t count, size_t item)
+{
+    size_t begin = *end;
+    *end += (count * item + 7) & ~(size_t)7;
+    return begin;
+}
+
+static struct layout layout_of(size_t vertices, size_t edges, size_t wedges, size_t seeds)
+{
+    struct layout l;
+    size_t end = sizeof(struct header);
+    l.distance = place(&end, vertices, sizeof(double));
+    l.birth = place(&end, vertices, sizeof(struct gd__birth));
+    l.first = place(&end, edges + 1, sizeof(uint32_t));
+    l.wedges = place(&end, wedges, sizeof(struct gd__wedge));
+    l.seeds = place(&end, seeds, sizeof(struct gd__seed));
+    l.size = end;
+    return l;
+}
+
+/* --- writing ------------------------------------------------------------------------------------------------------------- */
+
+static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
+{
+    for (size_t i = 0; i < words; i++) {
+        uint64_t word;
+        memcpy(&word, (const char *)bytes + 8 * i, 8);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/* Tells meshes apart whose elements are numbered or placed differently: positions and the origins of the sides say both. */
+static uint64_t fingerprint_of(const struct gd_mesh *mesh)
+{
+    uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};
+    uint64_t hash = mix(mix(0, counts, 3), &mesh->unit, 1);
+    hash = mix(hash, mesh->position, 3 * (size_t)mesh->vertex_count);
+    return mix(hash, mesh->origin, mesh->edge_count); /* 2 x 4 bytes an edge */
+}
+
+static struct layout layout_of_field(const struct gd_field *field)
+{
+    return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->statistics.wedges, field->seed_count);
+}
+
+size_t gd_field_image_size(const struct gd_field *field)
+{
+    return layout_of_field(field).size;
+}
+
+void gd_field_write_image(const struct gd_field *field, void *bytes)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    struct layout l = layout_of_field(field);
+    char *image = memset(bytes, 0, l.size); /* the gaps too: the same field gives the same bytes */
+    struct header header = {.version = version,
+                            .byte_order = byte_order,
+                            .fingerprint = fingerprint_of(mesh),
+                            .wedge_count = field->statistics.wedges,
+                            .vertex_count = mesh->vertex_count,
+                            .edge_count = mesh->edge_count,
+                            .seed_count = field->seed_count,
+                            .reach = field->reach,
+                            .statistics = field->statistics};
+    memcpy(header.magic, magic, sizeof magic);
+    memcpy(image, &header, sizeof header);
+    memcpy(image + l.distance, field->distance, mesh->vertex_count * sizeof *field->distance);
+    memcpy(image + l.birth, field->birth, mesh->vertex_count * sizeof *field->birth);
+    memcpy(image + l.first, field->first, ((size_t)mesh->edge_count + 1) * sizeof *field->first);
+    memcpy(image + l.wedges, field->wedges, field->statistics.wedges * sizeof *field->wedges);
+    memcpy(image + l.seeds, field->seeds, field->seed_count * sizeof *field->seeds);
+}
+
+/* --- opening ------------------------------------------------------------------------------------------------------------- */
+
+static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size,
+                                   struct gd_detail *detail)
+{
+    if (memcmp(header->magic, magic, sizeof magic) != 0 || header->byte_order != byte_order)
+        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no field image of a machine like this");
+    if (header->version != version)
+        return gd_fail(detail, GD_UNRECOGNIZED, "the image has version %u, this program reads version %u",
+                       header->version, version);
+    if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
+        header->fingerprint != fingerprint_of(mesh))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
+    if (header->wedge_count >= UINT32_MAX || header->seed_count == 0 ||
+        header->seed_count > size / sizeof(struct gd__seed))
+        return gd_fail(detail, GD_INDEX, "the image's counts are impossible");
+    if (layout_of(header->vertex_count, header->edge_count, header->wedge_count, header->seed_count).size != size)
+        return gd_fail(detail, GD_TRUNCATED, "the image's size is not what its counts make");
+    return GD_OK;
+}
+
+static bool is_source(const struct gd_field *field, uint32_t source)
+{
+    return source == GD_NONE || source < field->mesh->vertex_count + (uint64_t)field->seed_count;
+}
+
+static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        return point->element < mesh->vertex_count;
+    case GD_POINT_EDGE:
+        return point->element < mesh->edge_count;
+    case GD_POINT_FACE:
+        return point->element < mesh->face_count;
+    }
+    return false;
+}
+
+/* A vertex that was reached from its face knows a side with a face; one that was reached along an edge is next to its source. */
+static bool is_birth(const struct gd_field *field, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    const struct gd__birth *birth = &field->birth[vertex];
+    if (!is_source(field, birth->source)) return false;
+    if (birth->side != GD_NONE)
+        return birth->side < 2 * mesh->edge_count && !gd__side_is_boundary(mesh, birth->side) &&
+               gd__side_apex(mesh, birth->side) == vertex;
+    return birth->source >= mesh->vertex_count || gd__side_between(mesh, vertex, birth->source) != GD_NONE;
+}
+
+static bool are_indices_sound(const struct gd_field *field)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    uint64_t wedges = field->statistics.wedges;
+    for (uint32_t i = 0; i < field->seed_count; i++)
+        if (!is_point(mesh, &field->seeds[i].point)) return false;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        if (!is_birth(field, v)) return false;
+    for (uint32_t e = 0; e < mesh->edge_count; e++)
+        if (field->first[e] > field->first[e + 1]) return false;
+    if (field->first[0] != 0 || field->first[mesh->edge_count] != wedges) return false;
+    for (uint64_t i = 0; i < wedges; i++)
+        if (!is_source(field, field->wedges[i].source)) return false;
+    return true;
+}
+
+/* The arrays are only read: a field is immutable once built. */
+static void point_into(struct gd_field *field, const char *image, const struct header *header)
+{
+    struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_count, header->seed_count);
+    field->is_image = true;
+    field->reach = header->reach;
+    field->seed_count = header->seed_count;
+    field->statistics = header->statistics;
+    field->statistics.wedges = header->wedge_count;
+    field->distance = (double *)(image + l.distance);
+    field->birth = (struct gd__birth *)(image + l.birth);
+    field->first = (uint32_t *)(image + l.first);
+    field->wedges = (struct gd__wedge *)(image + l.wedges);
+    field->seeds = (struct gd__seed *)(image + l.seeds);
+}
+
+enum gd_status gd_field_open_image(const struct gd_mesh *mesh, const void *bytes, size_t size,
+                                   void (*release)(void *user), void *user, struct gd_field **out,
+                                   struct gd_detail *detail)
+{
+    struct header header;
+    if (size < sizeof header) return gd_fail(detail, GD_TRUNCATED, "the image ends within its header");
+    memcpy(&header, bytes, sizeof header);
+    enum gd_status status = check_header(mesh, &header, size, detail);
+    if (status) return status;
+    struct gd_field *field = gd__field_create(mesh);
+    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    point_into(field, bytes, &header);
+    status = are_indices_sound(field)
+                 ? gd__field_index_seeds(field)
+                 : gd_fail(detail, GD_INDEX, "the image names elements that the mesh does not have");
+    if (status) {
+        gd_field_release(field);
+        return status;
+    }
+    field->release_image = release;
+    field->image_user = user;
+    field->bytes = gd__field_bytes(field);
+    *out = field;
+    return GD_OK;
+}
