@@ -34,9 +34,15 @@ start_daemon() {
     return 1
 }
 
+# Shows a call as a person would type it, makes it, shows the answer.
 ask() {
     printf '\n$ curl'
-    printf " '%s'" "$@"
+    for word in "$@"; do
+        case $word in
+        *[!A-Za-z0-9/:._-]*) printf " '%s'" "$word" ;;
+        *) printf ' %s' "$word" ;;
+        esac
+    done
     printf '\n'
     curl --silent --show-error --fail-with-body "$@"
     echo

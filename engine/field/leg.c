@@ -105,6 +105,9 @@ static void try_side(const struct gd_field *field, uint32_t face, uint32_t side,
             b0 = begin;
             x = length - x;
         }
+        /* ends are stored to one unit: a crossing of the edge within two of them counts as inside, where a neighbour is as short */
+        b0 = fmax(b0 - 2 * unit, 0);
+        b1 = fmin(b1 + 2 * unit, length);
         try_wedge(gd__field_sigma(field, w->source), x, fabs(w->y), b0, b1, at, best, face, side, w->source);
     }
 }

@@ -1,0 +1,119 @@
+/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the rest is its input. A request that is taken is
+ * located on a mesh and answered; the answer must be JSON again. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/mesh.h"
+#include "gd/query.h"
+#include "proto/accept.h"
+#include "proto/decode.h"
+#include "proto/mesh.h"
+#include "proto/pair.h"
+#include "proto/point.h"
+#include "proto/writer.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+/* A cube of two sizes of triangles; made once, never freed: it is reachable to the end. */
+static const struct gd_mesh *cube(void)
+{
+    static struct gd_mesh *mesh;
+    static double positions[9][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},    {0, 0, 1},
+                                     {1, 0, 1}, {1, 1, 1}, {0, 1, 1}, {0.4, 0.6, 1}};
+    static uint32_t corners[] = {0, 3, 2, 0, 2, 1, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7,
+                                 2, 7, 6, 3, 0, 4, 3, 4, 7, 4, 5, 8, 5, 6, 8, 6, 7, 8, 7, 4, 8};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 9, .polygon_count = 14, .corners = corners};
+    if (!mesh) require(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
+    return mesh;
+}
+
+static void require_sentence(const struct proto_problem *problem)
+{
+    struct proto_writer writer;
+    require(problem->detail[0] != '\0');
+    proto_writer_init(&writer, 65536);
+    proto_problem_encode(&writer, problem);
+    json_t *back = json_loadb(writer.data, writer.size, JSON_REJECT_DUPLICATES, NULL);
+    require(back != NULL);
+    json_decref(back);
+    proto_writer_free(&writer);
+}
+
+static void answer(const struct proto_pair *pair)
+{
+    struct proto_located_pair located;
+    struct proto_problem problem;
+    struct gd_pair_answer result;
+    struct proto_writer writer;
+    if (!proto_pair_locate(cube(), pair, &located, &problem)) {
+        require_sentence(&problem);
+        return;
+    }
+    require(gd_pair_solve(cube(), &located.from, &located.to, true, NULL, &result, NULL) == GD_OK);
+    require(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
+    struct proto_options options = {.fields = ~0u};
+    proto_writer_init(&writer, 1 << 20);
+    proto_pair_encode(&writer, &located, &result, &options);
+    json_t *back = json_loadb(writer.data, writer.size, JSON_REJECT_DUPLICATES, NULL);
+    require(back != NULL);
+    json_decref(back);
+    proto_writer_free(&writer);
+    gd_pair_answer_free(&result);
+}
+
+static void fuzz_document(const char *text, size_t size)
+{
+    struct proto_problem problem;
+    struct proto_pair pair;
+    json_t *document = proto_decode_document(text, size, &problem);
+    if (document && proto_pair_decode(document, &pair, &problem))
+        answer(&pair);
+    else
+        require_sentence(&problem);
+    json_decref(document);
+}
+
+static void fuzz_compact_point(const char *text)
+{
+    struct proto_problem problem;
+    struct proto_pair pair;
+    if (proto_point_parse(text, "from", &pair.from, &problem)) {
+        pair.to = pair.from;
+        answer(&pair);
+    } else {
+        require_sentence(&problem);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0) return 0;
+    char *text = malloc(size); /* the rest and a NUL, exactly as large: overruns are seen */
+    require(text != NULL);
+    memcpy(text, data + 1, size - 1);
+    text[size - 1] = '\0';
+    struct proto_problem problem;
+    switch (data[0] % 4) {
+    case 0:
+        fuzz_document(text, size - 1);
+        break;
+    case 1:
+        fuzz_compact_point(text);
+        break;
+    case 2:
+        require(proto_accept_quality(text, "application/json") <= 1000);
+        break;
+    case 3:
+        if (!proto_mesh_name_check(text, size - 1, &problem)) require_sentence(&problem);
+        break;
+    }
+    free(text);
+    return 0;
+}
