@@ -7,6 +7,8 @@
  * are independent, so blocks of them are counted in parallel, then written in parallel behind each other. */
 
 #define EDGES_PER_BLOCK 4096
+#define PREFETCH_EDGES  6
+#define FAR_SIDE        GD__WINDOW_SERIAL /* tag: a window of side 1, mirrored into the frame of side 0 */
 
 struct compaction {
     struct gd_field *field;
@@ -17,7 +19,7 @@ struct compaction {
     bool writing;
 };
 
-/* The merged windows of an edge in the frame of its side 0, whose windows win ties; windows of side 1 keep tags = 1 to be told apart. */
+/* The merged windows of an edge, in scratch[1], in the frame of its side 0, whose windows win ties. */
 static enum gd_status merge_edge(const struct gd__wavefront *front, uint32_t edge, struct gd__stack scratch[2])
 {
     const struct gd__list *near = &front->lists[2 * edge], *far = &front->lists[2 * edge + 1];
@@ -34,7 +36,7 @@ static enum gd_status merge_edge(const struct gd__wavefront *front, uint32_t edg
     struct gd__window *mirrored = both->windows + near->count;
     for (uint32_t i = 0; i < far->count; i++) {
         mirrored[i] = gd__window_mirrored(&far->windows[far->count - 1 - i], length);
-        mirrored[i].tags = 1;
+        mirrored[i].tags = FAR_SIDE;
     }
     gd__merge(both->windows, near->count, mirrored, far->count, GD_TOL_WIDTH * length, merged);
     return GD_OK;
@@ -42,14 +44,16 @@ static enum gd_status merge_edge(const struct gd__wavefront *front, uint32_t edg
 
 static uint32_t fixed_point(double t, double length)
 {
-    double scaled = t / length / GD__WEDGE_UNIT;
+    double scaled = t / length * 4294967296.0;
     return scaled <= 0 ? 0 : scaled >= 4294967295.0 ? UINT32_MAX : (uint32_t)scaled;
 }
 
-/* Where packed wedges go; `out` NULL: they are only counted. A wedge that starts where the last one did, in fixed point, takes its place. */
+/* Where the wedges of an edge go, in order of b0. A wedge that starts where the last one did, in fixed point, takes its place; where no window
+ * continues the last one, a wedge without a source marks the gap. */
 struct packing {
-    struct gd__wedge *out;
+    struct gd__wedge *out; /* NULL: they are only counted */
     uint32_t count, last_b0;
+    double length, end;
 };
 
 static void pack_wedge(struct packing *packing, struct gd__wedge wedge)
@@ -60,24 +64,76 @@ static void pack_wedge(struct packing *packing, struct gd__wedge wedge)
     packing->count++;
 }
 
-/* Packs a merged list; gaps become wedges without a source. Returns how many wedges. */
-static uint32_t pack_edge(const struct gd__stack *merged, double length, struct gd__wedge *out)
+static void pack_gap(struct packing *packing, double until)
 {
-    struct packing packing = {.out = out};
-    double end = 0, slack = GD_TOL_ADJACENT * length;
+    if (until <= packing->end + GD_TOL_ADJACENT * packing->length) return;
+    pack_wedge(packing, (struct gd__wedge){.b0 = fixed_point(packing->end, packing->length), .source = GD_NONE});
+    packing->end = until;
+}
+
+/* The window of side 0 or 1 of the edge, its interval and x in the frame of side 0. */
+static void pack_window(struct packing *packing, const struct gd__window *w, bool far, double b0, double b1, double x)
+{
+    pack_gap(packing, b0);
+    double start = packing->count ? b0 : packing->end; /* the first begins at the edge's end, but for a gap */
+    pack_wedge(packing,
+               (struct gd__wedge){
+                   .x = x, .y = far ? w->y : -w->y, .b0 = fixed_point(start, packing->length), .source = w->source});
+    packing->end = b1;
+}
+
+static void pack_near(struct packing *packing, const struct gd__list *list)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct gd__window *w = &list->windows[i];
+        pack_window(packing, w, false, w->b0, w->b1, w->x);
+    }
+}
+
+static void pack_merged(struct packing *packing, const struct gd__stack *merged)
+{
     for (uint32_t i = 0; i < merged->count; i++) {
         const struct gd__window *w = &merged->windows[i];
-        bool gap = w->b0 > end + slack;
-        if (gap) pack_wedge(&packing, (struct gd__wedge){.b0 = fixed_point(end, length), .source = GD_NONE});
-        double start = gap || i ? w->b0 : 0;
-        pack_wedge(&packing,
-                   (struct gd__wedge){
-                       .x = w->x, .y = w->tags ? w->y : -w->y, .b0 = fixed_point(start, length), .source = w->source});
-        end = w->b1;
+        pack_window(packing, w, w->tags == FAR_SIDE, w->b0, w->b1, w->x);
     }
-    if (merged->count && end < length - slack)
-        pack_wedge(&packing, (struct gd__wedge){.b0 = fixed_point(end, length), .source = GD_NONE});
-    return packing.count;
+}
+
+static void pack_far(struct packing *packing, const struct gd__list *list)
+{
+    for (uint32_t i = list->count; i-- > 0;) {
+        const struct gd__window *w = &list->windows[i];
+        pack_window(packing, w, true, packing->length - w->b1, packing->length - w->b0, packing->length - w->x);
+    }
+}
+
+/* Packs the windows of an edge's two sides. Mostly one side's windows all lie before the other's and need no contest. */
+static enum gd_status pack_edge(const struct gd__wavefront *front, uint32_t edge, struct gd__stack scratch[2],
+                                struct packing *packing)
+{
+    const struct gd__list *near = &front->lists[2 * edge], *far = &front->lists[2 * edge + 1];
+    double length = packing->length, width = GD_TOL_WIDTH * length;
+    if (!near->count || !far->count ||
+        near->windows[near->count - 1].b1 <= length - far->windows[far->count - 1].b1 + width) {
+        pack_near(packing, near);
+        pack_far(packing, far);
+    } else if (length - far->windows[0].b0 <= near->windows[0].b0 + width) {
+        pack_far(packing, far);
+        pack_near(packing, near);
+    } else {
+        enum gd_status status = merge_edge(front, edge, scratch);
+        if (status) return status;
+        pack_merged(packing, &scratch[1]);
+    }
+    if (packing->count) pack_gap(packing, length);
+    return GD_OK;
+}
+
+/* The lists lie all over the pool: their first windows are asked for some edges ahead. */
+static void prefetch_edge(const struct gd__wavefront *front, uint32_t edge)
+{
+    if (edge >= front->mesh->edge_count) return;
+    for (uint32_t side = 2 * edge; side < 2 * edge + 2; side++)
+        for (uint32_t i = 0; i < front->lists[side].count; i++) __builtin_prefetch(&front->lists[side].windows[i]);
 }
 
 static void compact_block(void *context, uint32_t block)
@@ -89,11 +145,12 @@ static void compact_block(void *context, uint32_t block)
     uint64_t offset = c->writing ? c->count[block] : 0;
     struct gd__stack scratch[2] = {{0}, {0}};
     for (; edge < end && !c->status[block]; edge++) {
-        c->status[block] = merge_edge(c->front, edge, scratch);
-        if (c->status[block]) break;
+        prefetch_edge(c->front, edge + PREFETCH_EDGES);
+        struct packing packing = {.out = c->writing ? field->wedges + offset : NULL,
+                                  .length = field->mesh->side[2 * edge].length};
         if (c->writing) field->first[edge] = (uint32_t)offset;
-        offset +=
-            pack_edge(&scratch[1], field->mesh->side[2 * edge].length, c->writing ? field->wedges + offset : NULL);
+        c->status[block] = pack_edge(c->front, edge, scratch, &packing);
+        offset += packing.count;
     }
     if (!c->writing) c->count[block] = offset;
     gd__stack_destroy(&scratch[0]);

@@ -16,35 +16,39 @@ static struct apex apex_of(const struct gd_side *side)
     return (struct apex){side->left_length * side->left_x, side->left_length * side->left_y};
 }
 
-static bool child_left(const struct gd_side *side, const struct gd__window *w, double k1, struct gd__window *child)
+/* A child has no tags; narrower than the least width: there is none. */
+static inline struct gd__window make_child(double b0, double b1, double x, double y, const struct gd__window *parent)
+{
+    return (struct gd__window){.b0 = b0, .b1 = b1, .x = x, .y = y, .sigma = parent->sigma, .source = parent->source};
+}
+
+static const struct gd__window no_child = {.b0 = 0, .b1 = -1};
+
+static inline struct gd__window child_left(const struct gd_side *side, const struct gd__window *w, double k1)
 {
     double ux = side->left_x, uy = side->left_y, length = side->left_length, sx = w->x, sy = -w->y;
     double y = uy * sx - ux * sy, x = sx * ux + sy * uy;
-    if (gd__window_grazes(x, y, length)) return false;
+    if (gd__window_grazes(x, y, length)) return no_child;
     double t0 = w->b0 <= 0 ? 0 : w->b0 * sy / ((w->b0 - sx) * uy + sy * ux);
     double t1 = k1 >= 0 ? length : w->b1 * sy / ((w->b1 - sx) * uy + sy * ux);
     if (!(t0 >= 0)) t0 = 0;
     if (!(t1 <= length)) t1 = length;
-    if (t1 - t0 <= GD_TOL_WIDTH * length) return false;
-    *child = (struct gd__window){.b0 = t0, .b1 = t1, .x = x, .y = y, .sigma = w->sigma, .source = w->source};
-    return true;
+    return make_child(t0, t1, x, y, w);
 }
 
-static bool child_right(const struct gd_side *side, const struct gd__window *w, double k0, double k1,
-                        struct gd__window *child)
+static inline struct gd__window child_right(const struct gd_side *side, const struct gd__window *w, double k0,
+                                            double k1)
 {
     struct apex p = apex_of(side);
     double vx = side->right_x, vy = side->right_y, length = side->right_length, sx = w->x, sy = -w->y;
     double rx = sx - p.px, ry = sy - p.py;
     double y = vy * rx - vx * ry, x = rx * vx + ry * vy;
-    if (gd__window_grazes(x, y, length)) return false;
+    if (gd__window_grazes(x, y, length)) return no_child;
     double t0 = k0 <= 0 ? 0 : -k0 / ((w->b0 - sx) * vy + sy * vx);
     double t1 = w->b1 >= side->length ? length : -k1 / ((w->b1 - sx) * vy + sy * vx);
     if (!(t0 >= 0)) t0 = 0;
     if (!(t1 <= length)) t1 = length;
-    if (t1 - t0 <= GD_TOL_WIDTH * length) return false;
-    *child = (struct gd__window){.b0 = t0, .b1 = t1, .x = x, .y = y, .sigma = w->sigma, .source = w->source};
-    return true;
+    return make_child(t0, t1, x, y, w);
 }
 
 static double turn(const struct gd__window *w, struct apex p, double b)
@@ -52,29 +56,61 @@ static double turn(const struct gd__window *w, struct apex p, double b)
     return (b - w->x) * (p.py + w->y) - w->y * (p.px - w->x);
 }
 
-struct gd__children gd__window_children(const struct gd_side *side, const struct gd__window *w)
+/* Which way the rays through the window's ends pass the apex. */
+struct turns {
+    double k0, k1;
+};
+
+static struct turns turns_of(const struct gd_side *side, const struct gd__window *w)
 {
     struct apex p = apex_of(side);
-    double k0 = turn(w, p, w->b0), k1 = turn(w, p, w->b1);
+    return (struct turns){turn(w, p, w->b0), turn(w, p, w->b1)};
+}
+
+struct gd__children gd__window_children(const struct gd_side *side, const struct gd__window *w)
+{
+    struct turns turns = turns_of(side, w);
     struct gd__children children = {0};
-    children.has_left = k0 < 0 && child_left(side, w, k1, &children.left);
-    children.has_right = k1 > 0 && child_right(side, w, k0, k1, &children.right);
+    if (turns.k0 < 0) children.left = child_left(side, w, turns.k1);
+    if (turns.k1 > 0) children.right = child_right(side, w, turns.k0, turns.k1);
+    children.has_left = children.left.b1 - children.left.b0 > GD_TOL_WIDTH * side->left_length;
+    children.has_right = children.right.b1 - children.right.b0 > GD_TOL_WIDTH * side->right_length;
     return children;
 }
 
+/* Appends a child to its list if it lies clear of the last one, as most do; else leaves it to gd__stack_push. The child stays in registers on the
+ * way: built in memory and copied, it costs more than its arithmetic. */
+static inline void push_child(struct gd__wavefront *front, struct gd__stack *list, struct gd__window child,
+                              double length)
+{
+    double min_width = GD_TOL_WIDTH * length;
+    if (child.b1 - child.b0 <= min_width) return;
+    if (front->methods.no_coalescing) child.tags = (uint32_t)front->effort.windows_propagated * GD__WINDOW_SERIAL;
+    const struct gd__window *last = list->windows + list->count - 1;
+    if (list->count < list->capacity &&
+        (!list->count || (child.b0 >= last->b1 - min_width &&
+                          fabs(child.x - last->x) > GD_TOL_SAME_SOURCE * (last->y + fabs(last->x))))) {
+        list->windows[list->count++] = child;
+        return;
+    }
+    struct gd__window copy = child;
+    enum gd_status status = gd__stack_push(list, &copy, min_width, &front->scratch);
+    if (status) front->status = status;
+}
+
 /* Offers the apex a distance through the window: straight when it is visible, else round the window's nearer end, which closes gaps. */
-static void reach_apex(struct gd__wavefront *front, uint32_t side, const struct gd_side *s, const struct gd__window *w)
+static void reach_apex(struct gd__wavefront *front, uint32_t side, const struct gd_side *s, const struct gd__window *w,
+                       struct turns turns)
 {
     uint32_t vertex = front->mesh->origin[s->right];
     struct apex p = apex_of(s);
-    double hx = p.px - w->x, hy = p.py + w->y, straight = w->sigma + sqrt(hx * hx + hy * hy);
-    if (straight >= front->distance[vertex]) return; /* no path through the window is shorter */
-    double k0 = turn(w, p, w->b0), k1 = turn(w, p, w->b1);
-    if (k0 <= 0 && k1 >= 0) {
+    double hx = p.px - w->x, hy = p.py + w->y, room = front->distance[vertex] - w->sigma;
+    if (room <= 0 || hx * hx + hy * hy >= room * room) return; /* no path through the window is shorter */
+    if (turns.k0 <= 0 && turns.k1 >= 0) {
         struct gd__birth birth = {.x = w->x, .y = w->y, .side = side, .source = w->source};
-        gd__wavefront_reach(front, vertex, straight, birth);
+        gd__wavefront_reach(front, vertex, w->sigma + sqrt(hx * hx + hy * hy), birth);
     } else {
-        double b = k0 > 0 ? w->b0 : w->b1, bx = p.px - b;
+        double b = turns.k0 > 0 ? w->b0 : w->b1, bx = p.px - b;
         struct gd__birth birth = {.x = b, .y = 0, .side = side, .source = GD_NONE};
         gd__wavefront_reach(front, vertex, gd__window_distance(w, b) + sqrt(bx * bx + p.py * p.py), birth);
     }
@@ -167,16 +203,10 @@ static bool propagate_window(struct gd__wavefront *front, uint32_t side, const s
     w->tags |= GD__WINDOW_PROPAGATED;
     if (front->bound < GD__FAR && gd__window_nearest(w) > front->bound) return true;
     front->effort.windows_propagated++;
-    reach_apex(front, side, s, w);
-    struct gd__children children = gd__window_children(s, w);
-    if (front->methods.no_coalescing)
-        children.left.tags = children.right.tags = (uint32_t)front->effort.windows_propagated * GD__WINDOW_SERIAL;
-    enum gd_status status = GD_OK;
-    if (children.has_left)
-        status = gd__stack_push(&front->left, &children.left, GD_TOL_WIDTH * s->left_length, &front->scratch);
-    if (children.has_right && !status)
-        status = gd__stack_push(&front->right, &children.right, GD_TOL_WIDTH * s->right_length, &front->scratch);
-    if (status) front->status = status;
+    struct turns turns = turns_of(s, w);
+    reach_apex(front, side, s, w, turns);
+    if (turns.k0 < 0) push_child(front, &front->left, child_left(s, w, turns.k1), s->left_length);
+    if (turns.k1 > 0) push_child(front, &front->right, child_right(s, w, turns.k0, turns.k1), s->right_length);
     return true;
 }
 

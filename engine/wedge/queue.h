@@ -35,4 +35,10 @@ void gd__queue_push(struct gd__queue *queue, uint32_t node, double key);
 /* Takes the first node; GD_NONE when empty. */
 uint32_t gd__queue_pop(struct gd__queue *queue);
 
+/* The node that a pop would take if it waits in the current bucket, else GD_NONE: a hint for prefetching. */
+static inline uint32_t gd__queue_peek(const struct gd__queue *queue)
+{
+    return queue->head[queue->current & (GD__QUEUE_BUCKETS - 1)];
+}
+
 #endif

@@ -168,10 +168,30 @@ static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
     if (distance != front->emitted[vertex] && distance <= front->bound) gd__emit_vertex(front, vertex);
 }
 
+/* Asks for what the next two sides in the queue will need: the second's records, the first's windows. */
+static void prefetch_next(const struct gd__wavefront *front)
+{
+    uint32_t sides = 2 * front->mesh->edge_count, next = gd__queue_peek(&front->queue);
+    if (next >= sides) return;
+    const struct gd__window *windows = front->lists[next].windows;
+    const struct gd_side *side = &front->mesh->side[next];
+    __builtin_prefetch(windows);
+    __builtin_prefetch((const char *)windows + 64);
+    __builtin_prefetch((const char *)windows + 128);
+    __builtin_prefetch(&front->lists[side->left]);
+    __builtin_prefetch(&front->lists[side->right]);
+    uint32_t second = front->queue.nodes[next].next;
+    if (second >= sides) return;
+    __builtin_prefetch(&front->lists[second]);
+    __builtin_prefetch(&front->mesh->side[second]);
+    __builtin_prefetch(&front->queue.nodes[second]);
+}
+
 static enum gd_status propagate_all(struct gd__wavefront *front)
 {
     uint32_t sides = 2 * front->mesh->edge_count, node;
     for (uint64_t work = 0; !front->status && (node = gd__queue_pop(&front->queue)) != GD_NONE; work++) {
+        prefetch_next(front);
         if (node < sides)
             work_on_side(front, node);
         else
