@@ -8,9 +8,23 @@
 
 #define BISECTIONS 60
 
-static bool beats(double difference, double scale)
+/* Who is strictly better at a point. A tie says nothing: seen from far, two sources side by side look equally far, and yet one is better close by. */
+enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
+
+static enum winner winner_of(double difference, double scale)
 {
-    return difference < -GD_TOL_BETTER * scale;
+    double slack = GD_TOL_BETTER * scale;
+    return difference < -slack ? CHALLENGER : difference > slack ? OWNER : TIE;
+}
+
+static struct gd__verdict all_to(enum winner winner)
+{
+    return (struct gd__verdict){.challenger_first = winner == CHALLENGER};
+}
+
+static double clamp(double t, double lo, double hi)
+{
+    return t < lo ? lo : t > hi ? hi : t;
 }
 
 /* Half the difference of the squared distances to the two sources at t, both factors free of cancellation; and what rounding may make of it. */
@@ -21,18 +35,47 @@ static double square_difference_at(const struct gd__window *c, const struct gd__
     return 0.5 * ((o->x - c->x) * ((t - c->x) + (t - o->x)) + (c->y - o->y) * (c->y + o->y));
 }
 
+/* The linear form at a point. */
+struct sample {
+    double t, value;
+    enum winner winner;
+};
+
+static struct sample sample_at(const struct gd__window *c, const struct gd__window *o, double t)
+{
+    double scale, value = square_difference_at(c, o, t, &scale);
+    return (struct sample){t, value, winner_of(value, scale)};
+}
+
+static struct gd__verdict split_linearly(struct sample a, struct sample b)
+{
+    struct gd__verdict verdict = all_to(a.winner);
+    verdict.switches = 1;
+    verdict.at[0] = clamp(a.t + (b.t - a.t) * (a.value / (a.value - b.value)), a.t, b.t);
+    return verdict;
+}
+
+/* A tie at an end: the places nearest to the two sources tell more. */
+static struct gd__verdict settle_linear_tie(const struct gd__window *c, const struct gd__window *o, struct sample lo,
+                                            struct sample hi)
+{
+    double first = clamp(fmin(c->x, o->x), lo.t, hi.t), second = clamp(fmax(c->x, o->x), lo.t, hi.t);
+    struct sample samples[4] = {lo, sample_at(c, o, first), sample_at(c, o, second), hi};
+    struct sample last = {.winner = TIE};
+    for (int i = 0; i < 4; i++) {
+        if (samples[i].winner == TIE) continue;
+        if (last.winner != TIE && samples[i].winner != last.winner) return split_linearly(last, samples[i]);
+        last = samples[i];
+    }
+    return all_to(last.winner);
+}
+
 /* Equal sigma: the bisector is a line, found without a square root, robust where D cancels. */
 static struct gd__verdict contest_equal(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
 {
-    double scale_lo, scale_hi;
-    double e_lo = square_difference_at(c, o, lo, &scale_lo), e_hi = square_difference_at(c, o, hi, &scale_hi);
-    bool first = beats(e_lo, scale_lo), last = beats(e_hi, scale_hi);
-    struct gd__verdict verdict = {.challenger_first = first};
-    if (first == last) return verdict;
-    double t = lo + (hi - lo) * (e_lo / (e_lo - e_hi));
-    verdict.switches = 1;
-    verdict.at[0] = t > lo ? (t < hi ? t : hi) : lo;
-    return verdict;
+    struct sample at_lo = sample_at(c, o, lo), at_hi = sample_at(c, o, hi);
+    if (at_lo.winner == TIE || at_hi.winner == TIE) return settle_linear_tie(c, o, at_lo, at_hi);
+    return at_lo.winner == at_hi.winner ? all_to(at_lo.winner) : split_linearly(at_lo, at_hi);
 }
 
 /* One guarded Newton step on D; false when t is no root of D. */
@@ -95,19 +138,18 @@ static double difference_at(const struct gd__window *c, const struct gd__window 
     return dc - d_o;
 }
 
-static bool challenger_wins_at(const struct gd__window *c, const struct gd__window *o, double t)
+static enum winner winner_at(const struct gd__window *c, const struct gd__window *o, double t)
 {
     double scale, difference = difference_at(c, o, t, &scale);
-    return beats(difference, scale);
+    return winner_of(difference, scale);
 }
 
 /* Where the winner changes exactly once but the quadratic is too ill-conditioned to say where. */
-static double bisect(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
-                     bool challenger_first)
+static double bisect(const struct gd__window *c, const struct gd__window *o, double lo, double hi, enum winner at_lo)
 {
     for (int i = 0; i < BISECTIONS; i++) {
         double middle = 0.5 * (lo + hi);
-        if (challenger_wins_at(c, o, middle) == challenger_first)
+        if (winner_at(c, o, middle) == at_lo)
             lo = middle;
         else
             hi = middle;
@@ -117,24 +159,50 @@ static double bisect(const struct gd__window *c, const struct gd__window *o, dou
 
 /* The same winner at both ends: it wins all of it, or the other wins a piece in the middle. */
 static struct gd__verdict settle_same_ends(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
-                                           struct gd__verdict verdict)
+                                           enum winner at_ends)
 {
+    struct gd__verdict verdict = all_to(at_ends);
     if (roots_of(c, o, lo, hi, verdict.at) < 2) return verdict;
-    double scale, difference = difference_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), &scale);
-    bool other = verdict.challenger_first ? beats(-difference, scale) : beats(difference, scale);
-    if (other) verdict.switches = 2;
+    if (winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1])) == -at_ends) verdict.switches = 2;
     return verdict;
 }
 
 static struct gd__verdict settle_different_ends(const struct gd__window *c, const struct gd__window *o, double lo,
-                                                double hi, struct gd__verdict verdict)
+                                                double hi, enum winner at_lo)
 {
+    struct gd__verdict verdict = all_to(at_lo);
     int count = roots_of(c, o, lo, hi, verdict.at);
-    if (count == 0) verdict.at[0] = bisect(c, o, lo, hi, verdict.challenger_first);
+    if (count == 0) verdict.at[0] = bisect(c, o, lo, hi, at_lo);
     /* two roots and different ends: one is at an end, up to rounding; the middle tells which */
-    if (count == 2 && challenger_wins_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1])) == verdict.challenger_first)
-        verdict.at[0] = verdict.at[1];
+    if (count == 2 && winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1])) == at_lo) verdict.at[0] = verdict.at[1];
     verdict.switches = 1;
+    return verdict;
+}
+
+/* Winner of a piece without a root inside: asked in its middle and at its places nearest to the two sources. */
+static enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+{
+    double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)};
+    for (int i = 0; i < 3; i++) {
+        enum winner winner = winner_at(c, o, at[i]);
+        if (winner != TIE) return winner;
+    }
+    return OWNER;
+}
+
+/* A tie at an end: a root lies there up to rounding and is none of those inside, so each piece between roots is asked by itself. */
+static struct gd__verdict settle_tie(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+{
+    double bound[4] = {lo};
+    int count = roots_of(c, o, lo, hi, bound + 1);
+    bound[count + 1] = hi;
+    enum winner last = winner_of_piece(c, o, lo, bound[1]);
+    struct gd__verdict verdict = all_to(last);
+    for (int i = 1; i <= count; i++) {
+        enum winner winner = winner_of_piece(c, o, bound[i], bound[i + 1]);
+        if (winner != last) verdict.at[verdict.switches++] = bound[i];
+        last = winner;
+    }
     return verdict;
 }
 
@@ -145,9 +213,9 @@ struct gd__verdict gd__contest(const struct gd__window *challenger, const struct
     double scale_lo, scale_hi;
     double d_lo = difference_at(challenger, owner, lo, &scale_lo),
            d_hi = difference_at(challenger, owner, hi, &scale_hi);
-    bool first = beats(d_lo, scale_lo), last = beats(d_hi, scale_hi);
-    struct gd__verdict verdict = {.challenger_first = first};
-    if (first != last) return settle_different_ends(challenger, owner, lo, hi, verdict);
-    if ((first ? -(d_lo + d_hi) : d_lo + d_hi) >= 2 * (hi - lo)) return verdict; /* D is 2-Lipschitz */
-    return settle_same_ends(challenger, owner, lo, hi, verdict);
+    enum winner at_lo = winner_of(d_lo, scale_lo), at_hi = winner_of(d_hi, scale_hi);
+    if (fabs(d_lo + d_hi) >= 2 * (hi - lo) && at_lo == at_hi) return all_to(at_lo); /* D is 2-Lipschitz */
+    if (at_lo == TIE || at_hi == TIE) return settle_tie(challenger, owner, lo, hi);
+    if (at_lo != at_hi) return settle_different_ends(challenger, owner, lo, hi, at_lo);
+    return settle_same_ends(challenger, owner, lo, hi, at_lo);
 }

@@ -82,6 +82,20 @@ static void a_double_root_changes_nothing(void **state)
     }
 }
 
+/* From the ends of a long edge two sources close to it look equally far; close by, one is much nearer. */
+static void a_tie_at_both_ends_is_no_tie_between(void **state)
+{
+    (void)state;
+    struct gd__window near = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 1e-4}, far = {.b0 = 0, .b1 = 1e4, .x = 5e3, .y = 3e-4};
+    for (double sigma = 0; sigma < 1e-4; sigma += 4e-5) {
+        near.sigma = sigma * 1e-10; /* unequal sigma takes the other way through the contest */
+        assert_true(gd__contest(&near, &far, 0, 1e4).challenger_first);
+        assert_int_equal(gd__contest(&near, &far, 0, 1e4).switches, 0);
+        assert_false(gd__contest(&far, &near, 0, 1e4).challenger_first);
+        assert_int_equal(gd__contest(&far, &near, 0, 1e4).switches, 0);
+    }
+}
+
 /* Law: the verdict's winner is nowhere worse than the other by more than rounding. */
 static void winner_is_never_worse(void **state)
 {
@@ -94,8 +108,9 @@ static void winner_is_never_worse(void **state)
         struct gd__window a = window(rng_between(&rng, -1, 2) * scale, exp(rng_between(&rng, -8, 1)) * scale, 0);
         struct gd__window b = window(rng_between(&rng, -1, 2) * scale, exp(rng_between(&rng, -8, 1)) * scale, 0);
         double mode = rng_between(&rng, 0, 1), hi = scale;
+        double tie = hi * (int)rng_between(&rng, 0, 3) / 2; /* at an end as often as in the middle */
         if (mode > 0.2)
-            b.sigma = (gd__window_distance(&a, hi / 2) - gd__window_distance(&b, hi / 2)) * (mode > 0.6 ? 1 : mode);
+            b.sigma = (gd__window_distance(&a, tie) - gd__window_distance(&b, tie)) * (mode > 0.6 ? 1 : mode);
         if (b.sigma < 0) {
             a.sigma = -b.sigma;
             b.sigma = 0;
@@ -125,6 +140,7 @@ int main(void)
         cmocka_unit_test(two_solutions),
         cmocka_unit_test(infinitely_many_solutions_are_a_tie_for_the_owner),
         cmocka_unit_test(a_double_root_changes_nothing),
+        cmocka_unit_test(a_tie_at_both_ends_is_no_tie_between),
         cmocka_unit_test(winner_is_never_worse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
