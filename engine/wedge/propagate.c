@@ -78,6 +78,13 @@ struct gd__children gd__window_children(const struct gd_side *side, const struct
     return children;
 }
 
+/* Behind the last one, and of another source: neither a contest nor a joining of the two is called for. */
+static inline bool lies_clear(const struct gd__window *last, const struct gd__window *child, double min_width)
+{
+    return child->b0 >= last->b1 - min_width &&
+           fabs(child->x - last->x) > GD_TOL_SAME_SOURCE * (last->y + fabs(last->x));
+}
+
 /* Appends a child to its list if it lies clear of the last one, as most do; else leaves it to gd__stack_push. The child stays in registers on the
  * way: built in memory and copied, it costs more than its arithmetic. */
 static inline void push_child(struct gd__wavefront *front, struct gd__stack *list, struct gd__window child,
@@ -86,10 +93,8 @@ static inline void push_child(struct gd__wavefront *front, struct gd__stack *lis
     double min_width = GD_TOL_WIDTH * length;
     if (child.b1 - child.b0 <= min_width) return;
     if (front->methods.no_coalescing) child.tags = (uint32_t)front->effort.windows_propagated * GD__WINDOW_SERIAL;
-    const struct gd__window *last = list->windows + list->count - 1;
     if (list->count < list->capacity &&
-        (!list->count || (child.b0 >= last->b1 - min_width &&
-                          fabs(child.x - last->x) > GD_TOL_SAME_SOURCE * (last->y + fabs(last->x))))) {
+        (!list->count || lies_clear(&list->windows[list->count - 1], &child, min_width))) {
         list->windows[list->count++] = child;
         return;
     }
