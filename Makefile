@@ -20,7 +20,8 @@ PROTO_C   := $(wildcard proto/*.c)
 SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/handlers/*.c))
 no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
-SUPPORT_C := $(call no_main,tests/support/*.c tests/oracle/*.c)
+SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
+BENCH_C   := $(wildcard tests/bench/*.c)
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
@@ -30,7 +31,7 @@ LIB_SERVER  := $(BUILD)/libgd_server.a
 LIB_SAMPLES := $(BUILD)/libgd_samples.a
 LIB_SUPPORT := $(BUILD)/libgd_support.a
 
-ENGINE_LIBS := -lOpenMeshCore -lm
+ENGINE_LIBS := -lm
 SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lgnutls -lz
 
 # Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
@@ -43,7 +44,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -51,7 +52,7 @@ help: ## list the targets
 # --- for people ----------------------------------------------------------------------------------------------------------
 
 # Everything that building, running and testing need, from Debian 12's own packages.
-PACKAGES := build-essential clang clang-format libopenmesh-dev libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
+PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
             libcmocka-dev libclang-rt-14-dev python3 python3-yaml curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
 
@@ -73,10 +74,12 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 test: setup ## set up and run all tests
-	@$(MAKE) --no-print-directory -j2 build test-build
+	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench
 	@$(MAKE) --no-print-directory -j2 asan-build
+	@$(MAKE) --no-print-directory fuzz-build
 	@$(MAKE) --no-print-directory check-layers
-	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) tests/api/run.py
+	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+	    tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)"
 
 test-unit: test-build ## the C tests only
 	@tests/run.py $(TEST_PROGRAMS)
@@ -146,6 +149,18 @@ $(BUILD)/obj/generated/%.o: $(BUILD)/generated/%.c
 $(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
+$(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+
+# The sweep compares with CGAL where libcgal-dev is installed; without it the program says so and skips.
+SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
+SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:faces=400 saddle cylinder:sides=24 obstacles:count=12 \
+                $(wildcard $(foreach name,spot suzanne teapot cow beetle homer fandisk,$(SWEEP_SHARED)/$(name).obj))
+
+$(BUILD)/obj/tests/oracle/cgal_distances.cc.o: CXXFLAGS += -frounding-math
+$(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+
 $(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
@@ -172,6 +187,7 @@ $(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(wildcard cli
 FUZZ_SECONDS ?= 60
 FUZZ_BUILD   := $(BUILD)/fuzz
 FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
+FUZZ_SHORT    = tests/fuzz/run.py --seconds 30 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
 
 fuzz-build:
@@ -181,7 +197,10 @@ fuzz-build:
 $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(LIB_PROTO) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) -ljansson
 
-fuzz: fuzz-build ## fuzz each reader for FUZZ_SECONDS
+sweep: $(BUILD)/gd_sweep ## the engine against CGAL on every shared mesh (minutes; wants libcgal-dev)
+	$(BUILD)/gd_sweep --sources 20 $(wildcard $(SWEEP_SHARED)/*.obj)
+
+fuzz: fuzz-build ## fuzz each target for FUZZ_SECONDS
 	@tests/fuzz/run.py --seconds $(FUZZ_SECONDS) $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
 -include $(shell find $(BUILD)/obj -name '*.d' 2>/dev/null)

@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "proto/accept.h"
+#include "proto/number.h"
 #include "proto/point.h"
 
 /* --- name
@@ -40,14 +41,28 @@ static bool parse_format(const struct proto_parameters *parameters, enum gd_form
     return true;
 }
 
-static bool refuse_unsupported(const struct proto_parameters *parameters, struct proto_problem *problem)
+static bool parse_weld(const struct proto_parameters *parameters, struct gd_mesh_options *out,
+                       struct proto_problem *problem)
+{
+    const char *text = parameters->get(parameters->user, "weld");
+    if (!text) return true;
+    double tolerance = -1;
+    size_t length = proto_number_parse(text, &tolerance);
+    if (length == 0 || text[length] != '\0' || tolerance < 0)
+        return proto_problem_refuse(problem, "weld", "expected a length: a finite number of at least 0");
+    out->weld = true;
+    out->weld_tolerance = tolerance;
+    return true;
+}
+
+static bool parse_repair(const struct proto_parameters *parameters, struct gd_mesh_options *out,
+                         struct proto_problem *problem)
 {
     static const char *const repairs[] = {"none", "split", NULL};
     unsigned repair = 0;
-    if (parameters->get(parameters->user, "weld"))
-        return proto_problem_refuse(problem, "weld", "this version can't weld vertices; leave weld out");
     if (!proto_parameters_choice(parameters, "repair", repairs, &repair, problem)) return false;
-    return repair == 0 || proto_problem_refuse(problem, "repair", "this version can't repair meshes; leave repair out");
+    out->repair_split = repair == 1;
+    return true;
 }
 
 bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct proto_mesh_options *out,
@@ -59,7 +74,8 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct 
     unsigned triangulate = true;
     if (!proto_parameters_check(parameters, names, problem)) return false;
     if (!parse_format(parameters, &options.format, problem)) return false;
-    if (!refuse_unsupported(parameters, problem)) return false;
+    if (!parse_weld(parameters, &options.build, problem)) return false;
+    if (!parse_repair(parameters, &options.build, problem)) return false;
     if (!proto_parameters_choice(parameters, "triangulate", booleans, &triangulate, problem)) return false;
     options.build.refuse_polygons = !triangulate;
     *out = options;
@@ -68,7 +84,9 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct 
 
 bool proto_mesh_options_equal(const struct proto_mesh_options *a, const struct proto_mesh_options *b)
 {
-    return a->format == b->format && a->build.refuse_polygons == b->build.refuse_polygons;
+    const struct gd_mesh_options *x = &a->build, *y = &b->build;
+    return a->format == b->format && x->refuse_polygons == y->refuse_polygons && x->repair_split == y->repair_split &&
+           x->weld == y->weld && x->weld_tolerance == y->weld_tolerance;
 }
 
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,
@@ -189,13 +207,69 @@ static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_su
     encode_count(writer, "unreferenced_vertices", summary->unreferenced_vertices);
 }
 
-/* No repair is made yet: the counts say so. */
-static void encode_repair(struct proto_writer *writer)
+#define COPIES_LISTED 64
+
+static void encode_pair(struct proto_writer *writer, uint32_t a, uint32_t b)
 {
+    proto_write_array_begin(writer);
+    proto_write_uint(writer, a);
+    proto_write_uint(writer, b);
+    proto_write_array_end(writer);
+}
+
+/* The first vertices that repair appended, each with the one that it is a copy of. */
+static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t copies)
+{
+    uint32_t first = gd_mesh_summary(mesh)->index_count - copies;
+    encode_count(writer, "vertices_copied", copies);
+    proto_write_key(writer, "copies");
+    proto_write_array_begin(writer);
+    for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++)
+        encode_pair(writer, i, gd_mesh_original(mesh, (struct gd_vertex){i}).index);
+    proto_write_array_end(writer);
+}
+
+/* What a repair did of one kind. */
+struct kind {
+    const char *key;
+    const struct gd_mended *mended;
+    bool single; /* its elements are one number, not two */
+};
+
+static void encode_elements(struct proto_writer *writer, const struct kind *kind)
+{
+    if (kind->mended->count == 0) return;
+    proto_write_key(writer, kind->key);
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < kind->mended->listed; i++) {
+        const uint32_t *element = kind->mended->elements[i];
+        if (kind->single)
+            proto_write_uint(writer, element[0]);
+        else
+            encode_pair(writer, element[0], element[1]);
+    }
+    proto_write_array_end(writer);
+}
+
+static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
+    const struct kind kinds[] = {
+        {"edges_split", &repair->edges_split, false},         {"vertices_split", &repair->vertices_split, false},
+        {"vertices_welded", &repair->vertices_welded, false}, {"vertices_merged", &repair->vertices_merged, false},
+        {"duplicate_faces", &repair->duplicate_faces, false}, {"degenerate_faces", &repair->degenerate_faces, true},
+        {"edges_flipped", &repair->edges_flipped, false},
+    };
     proto_write_key(writer, "repair");
     proto_write_object_begin(writer);
-    encode_count(writer, "edges_split", 0);
-    encode_count(writer, "vertices_split", 0);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        encode_count(writer, kinds[i].key, kinds[i].mended->count);
+    encode_length(writer, "largest_shift", repair->largest_shift);
+    encode_copies(writer, mesh, repair->copies);
+    proto_write_key(writer, "first");
+    proto_write_object_begin(writer);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) encode_elements(writer, &kinds[i]);
+    proto_write_object_end(writer);
     proto_write_object_end(writer);
 }
 
@@ -217,7 +291,7 @@ void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_desc
     encode_text(writer, "sha256", description->sha256);
     encode_topology(writer, description->mesh, summary);
     encode_geometry(writer, summary);
-    encode_repair(writer);
+    encode_repair(writer, description->mesh);
     encode_count(writer, "memory_bytes", description->memory_bytes);
     encode_count(writer, "fields_cached", description->fields_cached);
     encode_time(writer, "created", description->created);

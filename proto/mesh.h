@@ -22,8 +22,7 @@ struct proto_mesh_options {
     struct gd_mesh_options build;
 };
 
-/* Reads format, weld, repair and triangulate, and refuses any other parameter. This version refuses weld and
- * repair=split too. */
+/* Reads format, weld (a number >= 0), repair and triangulate, and refuses any other parameter. */
 bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct proto_mesh_options *out,
                               struct proto_problem *problem);
 

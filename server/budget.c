@@ -25,13 +25,29 @@ static size_t shortage(struct server_budget *budget, size_t bytes)
     return bytes > left ? bytes - left : 0;
 }
 
+/* Lets the reclaimers make room, one after the other, until the bytes can be taken. */
+static bool take_by_reclaiming(struct server_budget *budget, size_t bytes)
+{
+    if (bytes > server_budget_available(budget)) return false;
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (!reclaimer->reclaim) continue;
+        reclaimer->reclaim(reclaimer->user, shortage(budget, bytes));
+        if (try_take(budget, bytes)) return true;
+    }
+    return false;
+}
+
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
-    if (!try_take(budget, bytes)) {
-        if (!budget->reclaim || bytes > server_budget_available(budget)) return false;
-        budget->reclaim(budget->reclaim_user, shortage(budget, bytes));
-        if (!try_take(budget, bytes)) return false;
-    }
+    if (!try_take(budget, bytes) && !take_by_reclaiming(budget, bytes)) return false;
+    atomic_fetch_add(&budget->used[class], bytes);
+    return true;
+}
+
+bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    if (!try_take(budget, bytes)) return false;
     atomic_fetch_add(&budget->used[class], bytes);
     return true;
 }
@@ -51,9 +67,21 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
     atomic_fetch_sub(&budget->used[from], bytes);
 }
 
+/* Bytes of meshes that could be let go of. */
+static size_t reclaimable(struct server_budget *budget)
+{
+    size_t bytes = 0;
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (reclaimer->holds) bytes += reclaimer->holds(reclaimer->user);
+    }
+    return bytes;
+}
+
 size_t server_budget_available(struct server_budget *budget)
 {
-    size_t held = atomic_load(&budget->used[SERVER_BUDGET_MESHES]) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]);
+    size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
+    size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 

@@ -4,9 +4,10 @@
  *     ...
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
- * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit first asks the reclaimer
- * (the field cache) to let go of enough, then tries again. The reclaimer takes the cache's lock: so no
- * lock is held around a take; a give never calls out and is allowed anywhere. All functions are thread-safe. */
+ * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit asks one reclaimer after the
+ * other to let go of enough: for meshes that are stored and not in use and have no fields, for fields, for any mesh that
+ * is stored and not in use. Reclaimers take locks of their own: so no lock is held around a take; a give never calls
+ * out and is allowed anywhere. All functions are thread-safe. */
 #ifndef SERVER_BUDGET_H
 #define SERVER_BUDGET_H
 
@@ -18,19 +19,28 @@
 
 enum server_budget_class { SERVER_BUDGET_MESHES, SERVER_BUDGET_FIELDS, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_CLASSES };
 
+enum server_reclaim_turn { SERVER_RECLAIM_IDLE, SERVER_RECLAIM_FIELDS, SERVER_RECLAIM_MESHES, SERVER_RECLAIM_TURNS };
+
+struct server_reclaimer {
+    void (*reclaim)(void *user, size_t bytes); /* lets go of at least `bytes` if it can; NULL: there is none */
+    size_t (*holds)(void *user);               /* bytes of SERVER_BUDGET_MESHES that it could let go of; may be NULL */
+    void *user;
+};
+
 struct server_budget {
     size_t limit;
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
-    void (*reclaim)(void *user,
-                    size_t bytes); /* lets go of at least `bytes` if it can; NULL: nothing can be reclaimed */
-    void *reclaim_user;
+    struct server_reclaimer reclaimers[SERVER_RECLAIM_TURNS]; /* set while nothing takes */
 };
 
 void server_budget_init(struct server_budget *budget, size_t limit);
 
 /* Counts `bytes` to the class; false, with nothing counted, when the limit would be passed even after reclaiming. */
 bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes);
+
+/* The same without letting go of anything. */
+bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
 /* Gives back what was taken. */
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes);
@@ -43,7 +53,8 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
  * the limit, since they are there: later takes make up for it. */
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual);
 
-/* What is left if every field were evicted: an upper bound of what a take can get at this moment. */
+/* What is left if every field were evicted and every unused mesh unloaded: an upper bound of what a take can get at
+ * this moment. */
 size_t server_budget_available(struct server_budget *budget);
 
 /* The problem of `what` ("the mesh") that needs `bytes` (0: more than can be had, not known how many) and can't

@@ -232,8 +232,7 @@ struct server_cache *server_cache_create(struct server_budget *budget, struct se
     pthread_mutex_init(&cache->lock, NULL);
     cache->budget = budget;
     cache->workers = workers;
-    budget->reclaim = reclaim;
-    budget->reclaim_user = cache;
+    budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim, NULL, cache};
     return cache;
 }
 
@@ -241,7 +240,7 @@ void server_cache_destroy(struct server_cache *cache)
 {
     if (!cache) return;
     assert(!cache->order.size && !cache->flights);
-    cache->budget->reclaim = NULL;
+    cache->budget->reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){0};
     pthread_mutex_destroy(&cache->lock);
     server_heap_free(&cache->order);
     free(cache);
@@ -273,6 +272,28 @@ void server_shelf_close(struct server_shelf *shelf)
     }
     pthread_mutex_unlock(&cache->lock);
     release_all(removed);
+}
+
+static uint32_t pin_all(struct server_shelf *shelf, const struct server_cached **pinned)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < shelf->bucket_count; i++) {
+        for (struct entry *entry = shelf->buckets[i]; entry; entry = entry->next) {
+            atomic_fetch_add(&entry->references, 1);
+            pinned[count++] = &entry->cached;
+        }
+    }
+    return count;
+}
+
+const struct server_cached **server_shelf_pin_all(struct server_shelf *shelf, uint32_t *count)
+{
+    pthread_mutex_lock(&shelf->cache->lock);
+    const struct server_cached **pinned =
+        shelf->entry_count ? malloc(shelf->entry_count * sizeof(struct server_cached *)) : NULL;
+    *count = pinned ? pin_all(shelf, pinned) : 0;
+    pthread_mutex_unlock(&shelf->cache->lock);
+    return pinned;
 }
 
 uint32_t server_shelf_count(struct server_shelf *shelf)
@@ -412,18 +433,22 @@ static void resume_all(struct server_workers *workers, struct server_job *job)
     }
 }
 
-/* A pinned entry, on no shelf as yet, that owns the field and its bytes. NULL without memory. */
-static struct entry *create_entry(struct server_flight *flight, struct gd_field *field, size_t bytes)
+/* A pinned entry, on no shelf as yet, that owns the field and its bytes, so far in flight. NULL without memory: then
+ * both are gone. */
+static struct entry *create_entry(struct server_shelf *shelf, const struct gd_point *source, struct gd_field *field,
+                                  size_t bytes)
 {
+    struct server_budget *budget = shelf->cache->budget;
     struct entry *entry = malloc(sizeof *entry);
-    if (!entry) return NULL;
-    atomic_fetch_add(&flight->shelf->references, 1);
-    *entry = (struct entry){.cached = {field},
-                            .references = 1,
-                            .shelf = flight->shelf,
-                            .source = flight->source,
-                            .bytes = bytes,
-                            .uses = 1};
+    if (!entry) {
+        server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
+        gd_field_release(field);
+        return NULL;
+    }
+    server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, bytes);
+    atomic_fetch_add(&shelf->references, 1);
+    *entry = (struct entry){
+        .cached = {field}, .references = 1, .shelf = shelf, .source = *source, .bytes = bytes, .uses = 1};
     return entry;
 }
 
@@ -444,13 +469,7 @@ const struct server_cached *server_cache_land(struct server_flight *flight, stru
 {
     struct server_cache *cache = flight->shelf->cache;
     size_t bytes = gd_field_memsize(field);
-    struct entry *entry = create_entry(flight, field, bytes), *older = NULL;
-    if (entry) {
-        server_budget_move(cache->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, bytes);
-    } else {
-        server_budget_give(cache->budget, SERVER_BUDGET_FLIGHT, bytes);
-        gd_field_release(field);
-    }
+    struct entry *entry = create_entry(flight->shelf, &flight->source, field, bytes), *older = NULL;
     pthread_mutex_lock(&cache->lock);
     end_flight(flight);
     if (entry) older = replace_entry(cache, entry);
@@ -458,6 +477,24 @@ const struct server_cached *server_cache_land(struct server_flight *flight, stru
     release_all(older);
     resume_all(cache->workers, flight_free(flight));
     return entry ? &entry->cached : NULL;
+}
+
+void server_cache_restore(struct server_shelf *shelf, struct gd_field *field)
+{
+    struct server_cache *cache = shelf->cache;
+    struct gd_point source;
+    size_t bytes = gd_field_memsize(field);
+    if (!gd_field_single_seed(field, &source)) {
+        server_budget_give(cache->budget, SERVER_BUDGET_FLIGHT, bytes);
+        gd_field_release(field);
+        return;
+    }
+    struct entry *entry = create_entry(shelf, &source, field, bytes);
+    if (!entry) return;
+    pthread_mutex_lock(&cache->lock);
+    if (!shelf->closed && !shelf_find(shelf, &source)) shelf_insert(cache, entry);
+    pthread_mutex_unlock(&cache->lock);
+    entry_release(entry);
 }
 
 void server_cache_abandon(struct server_flight *flight)

@@ -56,6 +56,13 @@ struct server_shelf *server_shelf_open(struct server_cache *cache);
 void server_shelf_close(struct server_shelf *shelf);
 void server_shelf_release(struct server_shelf *shelf);
 
+/* The shelf's fields, each pinned, as an array to be freed by free(); NULL when there are none. */
+const struct server_cached **server_shelf_pin_all(struct server_shelf *shelf, uint32_t *count);
+
+/* Puts a field of one source on the shelf, whose reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT pass to
+ * the cache, unless the shelf has one of that source, or there is no memory: then both are gone. */
+void server_cache_restore(struct server_shelf *shelf, struct gd_field *field);
+
 /* Fields on the shelf. */
 uint32_t server_shelf_count(struct server_shelf *shelf);
 

@@ -15,7 +15,17 @@
 #define TEXT_LIMIT 512
 #define NAME_LIMIT 32 /* of an option */
 
-enum kind { KIND_COUNT, KIND_BYTES, KIND_ADDRESS, KIND_HOST, KIND_LEVEL, KIND_FILE, KIND_SWITCH };
+enum kind {
+    KIND_COUNT,
+    KIND_BYTES,
+    KIND_ADDRESS,
+    KIND_HOST,
+    KIND_CHOICE,
+    KIND_PATH,
+    KIND_BOOLEAN,
+    KIND_FILE,
+    KIND_SWITCH
+};
 
 struct option {
     const char *name, *argument, *help;
@@ -23,33 +33,55 @@ struct option {
     size_t offset;        /* of the member in struct server_config */
     uint64_t least, most; /* KIND_COUNT, KIND_BYTES */
     const char *standard; /* default, as it would be typed; NULL: none, or found at run time */
+    const char *const
+        *words; /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum that counts them */
 };
+
+static const char *const levels[] = {
+#define LEVEL_NAME(NAME, name) #name,
+    SERVER_LOG_LEVELS(LEVEL_NAME)
+#undef LEVEL_NAME
+        NULL};
+static const char *const stores[] = {[SERVER_STORE_KIND_LOCAL] = "local", [SERVER_STORE_KIND_MEMORY] = "memory", NULL};
 
 #define MEMBER(member) offsetof(struct server_config, member)
 
 static const struct option options[] = {
     {"listen", "ADDR:PORT|unix:PATH", "where to listen; port 0 takes a free one", KIND_ADDRESS, MEMBER(listen), 0, 0,
-     "127.0.0.1:8080"},
+     "127.0.0.1:8080", NULL},
     {"allowed-host", "HOST", "also accept this Host header; may be repeated, or a list with commas", KIND_HOST,
-     MEMBER(allowed_hosts), 0, 0, NULL},
+     MEMBER(allowed_hosts), 0, 0, NULL, NULL},
     {"workers", "N", "threads that build meshes and propagate (default: the number of cores)", KIND_COUNT,
-     MEMBER(workers), 1, 1024, NULL},
+     MEMBER(workers), 1, 1024, NULL, NULL},
     {"http-threads", "N", "threads that speak HTTP (default: the number of cores)", KIND_COUNT, MEMBER(http_threads), 1,
-     256, NULL},
+     256, NULL, NULL},
     {"queue-length", "N", "requests that may wait for a worker before others get 503", KIND_COUNT, MEMBER(queue_length),
-     1, 1000000, "256"},
+     1, 1000000, "256", NULL},
     {"memory-budget", "BYTES", "most memory for meshes, fields and work in flight", KIND_BYTES, MEMBER(memory_budget),
-     1 << 20, UINT64_C(1) << 50, "4GiB"},
-    {"max-body", "BYTES", "largest request body", KIND_BYTES, MEMBER(max_body), 1 << 10, UINT64_C(1) << 40, "256MiB"},
-    {"max-faces", "N", "most triangles of a mesh", KIND_COUNT, MEMBER(max_faces), 1, 1 << 30, "10000000"},
+     1 << 20, UINT64_C(1) << 50, "4GiB", NULL},
+    {"max-body", "BYTES", "largest request body", KIND_BYTES, MEMBER(max_body), 1 << 10, UINT64_C(1) << 40, "256MiB",
+     NULL},
+    {"max-faces", "N", "most triangles of a mesh", KIND_COUNT, MEMBER(max_faces), 1, 1 << 30, "10000000", NULL},
     {"timeout-ms", "MS", "most time that a request may take; timeout_ms in a request can only shorten it", KIND_COUNT,
-     MEMBER(timeout_ms), 1, 86400000, "60000"},
+     MEMBER(timeout_ms), 1, 86400000, "60000", NULL},
     {"drain-ms", "MS", "most time that SIGTERM waits for requests under way", KIND_COUNT, MEMBER(drain_ms), 0, 86400000,
-     "10000"},
-    {"log-level", "LEVEL", "debug, info, warn or error", KIND_LEVEL, MEMBER(log_level), 0, 0, "info"},
-    {"config", "FILE", "read `name = value` lines from FILE; # begins a comment", KIND_FILE, 0, 0, 0, NULL},
-    {"version", NULL, "print the version and exit", KIND_SWITCH, 0, 0, 0, NULL},
-    {"help", NULL, "print this and exit", KIND_SWITCH, 0, 0, 0, NULL},
+     "10000", NULL},
+    {"store", "KIND", "where meshes are kept: local (in --data-dir) or memory (until the daemon ends)", KIND_CHOICE,
+     MEMBER(store), 0, 0, "local", stores},
+    {"data-dir", "DIR",
+     "folder of the local store (default: /var/lib/geodesicd for root, else $XDG_DATA_HOME/geodesicd or "
+     "~/.local/share/geodesicd)",
+     KIND_PATH, MEMBER(data_dir), 0, 0, NULL, NULL},
+    {"persist-fields", NULL, "keep cached fields in the data folder over a restart", KIND_BOOLEAN,
+     MEMBER(persist_fields), 0, 0, NULL, NULL},
+    {"check-store", NULL, "check every file of the data folder, print what is found, and exit", KIND_BOOLEAN,
+     MEMBER(check_store), 0, 0, NULL, NULL},
+    {"backup", "DIR", "copy the data folder, in use or not, into a new one, and exit", KIND_PATH, MEMBER(backup), 0, 0,
+     NULL, NULL},
+    {"log-level", "LEVEL", "debug, info, warn or error", KIND_CHOICE, MEMBER(log_level), 0, 0, "info", levels},
+    {"config", "FILE", "read `name = value` lines from FILE; # begins a comment", KIND_FILE, 0, 0, 0, NULL, NULL},
+    {"version", NULL, "print the version and exit", KIND_SWITCH, 0, 0, 0, NULL, NULL},
+    {"help", NULL, "print this and exit", KIND_SWITCH, 0, 0, 0, NULL, NULL},
 };
 
 #define OPTION_COUNT (sizeof options / sizeof *options)
@@ -183,14 +215,33 @@ static bool add_hosts(const struct loader *loader, const char *value)
     return true;
 }
 
-static bool set_level(const struct loader *loader, const char *value, enum server_log_level *member)
+static bool set_choice(const struct loader *loader, const struct option *option, const char *value, unsigned *member)
 {
-    for (int i = 0; i < SERVER_LOG_LEVEL_COUNT; i++) {
-        if (strcmp(value, server_log_level_names[i]) != 0) continue;
-        *member = (enum server_log_level)i;
-        return true;
+    char list[TEXT_LIMIT] = "";
+    for (unsigned i = 0; option->words[i]; i++) {
+        if (strcmp(value, option->words[i]) == 0) {
+            *member = i;
+            return true;
+        }
+        const char *before = i == 0 ? "" : option->words[i + 1] ? ", " : " or ";
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", before, option->words[i]);
     }
-    return complain(loader, "'%s' is no level; write debug, info, warn or error", value);
+    return complain(loader, "'%s' is none of the choices; write %s", value, list);
+}
+
+static bool set_path(const struct loader *loader, const char *value, char *member)
+{
+    if (!*value || strlen(value) >= SERVER_CONFIG_PATH)
+        return complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
+    strcpy(member, value);
+    for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--) member[size - 1] = '\0';
+    return true;
+}
+
+static bool set_boolean(const struct loader *loader, const char *value, bool *member)
+{
+    *member = strcmp(value, "true") == 0;
+    return *member || strcmp(value, "false") == 0 || complain(loader, "write true or false");
 }
 
 static bool set_option(const struct loader *loader, const struct option *option, const char *value)
@@ -204,8 +255,12 @@ static bool set_option(const struct loader *loader, const struct option *option,
         return set_address(loader, value, member);
     case KIND_HOST:
         return add_hosts(loader, value);
-    case KIND_LEVEL:
-        return set_level(loader, value, member);
+    case KIND_CHOICE:
+        return set_choice(loader, option, value, member);
+    case KIND_PATH:
+        return set_path(loader, value, member);
+    case KIND_BOOLEAN:
+        return set_boolean(loader, value, member);
     case KIND_FILE:
     case KIND_SWITCH:
         break; /* read before the others */
@@ -299,6 +354,10 @@ static bool next_flag(struct loader *loader, char *const argv[], int argc, int *
         return complain(loader, "there is no such flag; did you mean --%s?", nearest_name(text + 2, size));
     out->value = NULL;
     if (out->option->kind == KIND_SWITCH) return !inline_value || complain(loader, "this flag takes no value");
+    if (out->option->kind == KIND_BOOLEAN) {
+        out->value = inline_value ? inline_value : "true";
+        return true;
+    }
     out->value = inline_value ? inline_value : *at < argc ? argv[(*at)++] : NULL;
     return out->value || complain(loader, "a value is missing: %s", out->option->argument);
 }
@@ -348,9 +407,37 @@ static enum server_config_outcome look_ahead(struct loader *loader, int argc, ch
     return SERVER_CONFIG_RUN;
 }
 
+/* Where a data folder is expected: for root the system's, else the user's. */
+static bool find_data_dir(struct loader *loader)
+{
+    const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
+    char *path = loader->config->data_dir;
+    int size = 0;
+    if (*path || loader->config->store != SERVER_STORE_KIND_LOCAL) return true;
+    if (geteuid() == 0)
+        size = snprintf(path, SERVER_CONFIG_PATH, "/var/lib/geodesicd");
+    else if (data_home && *data_home == '/')
+        size = snprintf(path, SERVER_CONFIG_PATH, "%s/geodesicd", data_home);
+    else if (home && *home == '/')
+        size = snprintf(path, SERVER_CONFIG_PATH, "%s/.local/share/geodesicd", home);
+    snprintf(loader->origin, sizeof loader->origin, "--data-dir");
+    return (size > 0 && size < SERVER_CONFIG_PATH) ||
+           complain(loader, "there is no home folder to keep meshes in: name a folder, or use --store memory");
+}
+
+static bool validate_store(struct loader *loader)
+{
+    const struct server_config *config = loader->config;
+    if (config->store == SERVER_STORE_KIND_LOCAL) return true;
+    snprintf(loader->origin, sizeof loader->origin, "--store memory");
+    return (!config->persist_fields && !config->check_store && !*config->backup) ||
+           complain(loader, "a store in memory keeps nothing: leave out --persist-fields, --check-store and --backup");
+}
+
 static bool validate(struct loader *loader)
 {
     const struct server_config *config = loader->config;
+    if (!find_data_dir(loader) || !validate_store(loader)) return false;
     snprintf(loader->origin, sizeof loader->origin, "--listen");
     if (!server_address_is_local(&config->listen)) {
         char address[SERVER_ADDRESS_TEXT];

@@ -2,6 +2,7 @@
 #ifndef SERVER_CONFIG_H
 #define SERVER_CONFIG_H
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -10,6 +11,10 @@
 
 #define SERVER_CONFIG_HOSTS 16
 #define SERVER_CONFIG_HOST  128
+
+#define SERVER_CONFIG_PATH 3000
+
+enum server_store_kind { SERVER_STORE_KIND_LOCAL, SERVER_STORE_KIND_MEMORY };
 
 struct server_config {
     struct server_address listen;
@@ -26,6 +31,11 @@ struct server_config {
     uint64_t timeout_ms;    /* most time that a request may take */
     uint64_t drain_ms;      /* most time that a shutdown waits for requests */
     enum server_log_level log_level;
+    enum server_store_kind store;
+    char data_dir[SERVER_CONFIG_PATH];
+    bool persist_fields;
+    bool check_store;                /* check the store and end */
+    char backup[SERVER_CONFIG_PATH]; /* copy the store there and end; empty: don't */
 };
 
 enum server_config_outcome {

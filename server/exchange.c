@@ -100,6 +100,7 @@ void server_exchange_destroy(struct server_exchange *exchange)
 {
     if (!exchange) return;
     if (exchange->free_state) exchange->free_state(exchange->state);
+    server_surface_release(exchange->surface);
     server_body_drop(&exchange->body, &exchange->server->budget);
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     free(exchange->response.owned);

@@ -31,6 +31,7 @@
 struct server;
 struct server_exchange;
 struct server_flight;
+struct server_surface;
 
 struct server_named_value { /* of strings that the transport or the exchange owns */
     const char *name, *value;
@@ -78,8 +79,9 @@ struct server_exchange {
     uint64_t started_ns, deadline_ns;
     bool (*work)(struct server_exchange *exchange); /* see server_exchange_defer; NULL: not deferred */
     bool (*join)(struct server_exchange *exchange);
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
-    void *state; /* the handler's own, kept over a deferral */
+    struct server_surface *surface; /* loaded for this exchange, which has a reference; NULL: none was */
+    size_t held;                    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
+    void *state;                    /* the handler's own, kept over a deferral */
     void (*free_state)(void *state);
 
     struct server_response response;

@@ -23,6 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "server/log.h"
@@ -48,6 +49,8 @@ struct call {
 struct server_http {
     struct server *server;
     struct MHD_Daemon *daemon;
+    int listening; /* the library's own, whose number is known here: see server_http_quiesce */
+    int silent[2]; /* a pair of sockets on which nothing is ever said */
     atomic_uint active;
 };
 
@@ -226,12 +229,30 @@ static void on_library_log(void *user, const char *format, va_list arguments)
     server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
 }
 
+static struct server_http *create(struct server *server, int listening)
+{
+    struct server_http *http = calloc(1, sizeof *http);
+    if (!http) return NULL;
+    http->server = server;
+    http->listening = listening;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) return http;
+    free(http);
+    return NULL;
+}
+
+static void destroy(struct server_http *http)
+{
+    if (!http) return;
+    close(http->silent[0]);
+    close(http->silent[1]);
+    free(http);
+}
+
 struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
                                       size_t error_size)
 {
-    struct server_http *http = calloc(1, sizeof *http);
+    struct server_http *http = create(server, listening);
     if (http) {
-        http->server = server;
         unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
         http->daemon = MHD_start_daemon(
             flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
@@ -242,15 +263,18 @@ struct server_http *server_http_start(struct server *server, int listening, uint
     }
     if (http && http->daemon) return http;
     snprintf(error, error_size, "the HTTP library could not be started");
-    free(http);
+    destroy(http);
     close(listening);
     return NULL;
 }
 
+/* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening socket out of the
+ * thread's epoll set, and the second of the two aborts the program (0.9.75; once in two thousand stops, as measured).
+ * So the socket is closed under the library's number for it, where a silent one takes its place: the kernel itself takes
+ * a closed socket out of every set. */
 void server_http_quiesce(struct server_http *http)
 {
-    MHD_socket listening = MHD_quiesce_daemon(http->daemon);
-    if (listening != MHD_INVALID_SOCKET) close(listening);
+    (void)dup2(http->silent[0], http->listening);
 }
 
 uint32_t server_http_active(struct server_http *http)
@@ -262,5 +286,5 @@ void server_http_stop(struct server_http *http)
 {
     if (!http) return;
     MHD_stop_daemon(http->daemon);
-    free(http);
+    destroy(http);
 }

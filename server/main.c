@@ -8,6 +8,7 @@
 #include "server/config.h"
 #include "server/log.h"
 #include "server/server.h"
+#include "server/store_tools.h"
 #include "server/version.h"
 
 #define EXIT_USAGE 2
@@ -54,6 +55,9 @@ int main(int argc, char *argv[])
         break;
     }
     server_log_set_level(config.log_level);
+    if (config.check_store) return server_store_check(config.data_dir, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
+    if (*config.backup)
+        return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&ending);
     struct server *server = server_start(&config, error, sizeof error);
     if (!server) {

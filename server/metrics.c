@@ -220,10 +220,20 @@ static void write_cache(struct server *server, struct proto_writer *writer)
     write_one(writer, "cache_fields", "gauge", "Fields in the cache.", (double)cache.fields);
 }
 
+static void write_store(struct server *server, struct proto_writer *writer)
+{
+    struct server_registry_statistics registry = server_registry_statistics(server->registry);
+    write_one(writer, "meshes", "gauge", "Meshes that are stored.", (double)registry.surfaces);
+    write_one(writer, "meshes_loaded", "gauge", "Meshes that are in memory.", (double)registry.loaded);
+    write_one(writer, "mesh_loads_total", "counter", "Meshes loaded from the store.", (double)registry.loads);
+    write_one(writer, "mesh_unloads_total", "counter", "Meshes unloaded for room.", (double)registry.unloads);
+    write_one(writer, "store_writable", "gauge", "1, or 0 after a write that could not be made durable.",
+              server_registry_health(server->registry) == NULL);
+}
+
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
     static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes", "fields", "flight"};
-    write_one(writer, "meshes", "gauge", "Meshes that are loaded.", server->store->count(server->store));
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
@@ -248,6 +258,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
     write_workers(server, writer);
     write_cache(server, writer);
+    write_store(server, writer);
     write_memory(server, writer);
     write_process(metrics, writer);
 }

@@ -1,10 +1,76 @@
-/* Registry: the store that keeps surfaces in memory only. */
+/* Registry: the surfaces by name, those in memory and those that can be loaded.
+ *
+ * DESIGN. An array of slots sorted by name. A slot has a record, and the surface while it is in memory. What a name is
+ * changes under the writer lock, which is held while the store makes the change durable: so conditions are decided
+ * together with the write. The slots change under a reader-writer lock that is held for moments only: so reading never
+ * waits for the disk. Order: writer lock, then slots. Surfaces are retired and released after the slots' lock is given
+ * up, since that frees fields.
+ *
+ * Under the memory budget, surfaces that nobody uses are unloaded, if the store can load them again: first those
+ * without cached fields, the least recently used first; then fields go (cache.h); then any unused surface. */
 #ifndef SERVER_REGISTRY_H
 #define SERVER_REGISTRY_H
 
+#include "server/etag.h"
 #include "server/store.h"
+#include "server/surface.h"
 
-/* An empty store, closed by its own `close`. NULL without memory. */
-struct server_store *server_registry_create(void);
+struct server_registry;
+
+/* With what the store holds, nothing of it loaded. The store becomes the registry's; the budget, whose reclaimers it
+ * becomes part of, is borrowed. NULL without memory: the store is closed. */
+struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget);
+void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
+
+/* Puts a surface under its record's name, durably, together with the bytes that it was made from (borrowed):
+ * CREATED or REPLACED. If the name has this very record already, the surface is only kept in memory and its bytes are
+ * made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY. */
+enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
+                                              const void *bytes, const struct server_precondition *precondition);
+
+/* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY. */
+enum server_store_outcome server_registry_remove(struct server_registry *registry, const char *name,
+                                                 const struct server_precondition *precondition);
+
+struct server_listed {
+    struct server_record *record;
+    struct server_surface *surface; /* NULL: not in memory */
+};
+void server_listed_release(struct server_listed *listed);
+
+/* The surface of that name, its parts retained; false: there is none. */
+bool server_registry_find(struct server_registry *registry, const char *name, struct server_listed *out);
+
+/* The same, and its use is counted. */
+bool server_registry_use(struct server_registry *registry, const char *name, struct server_listed *out);
+
+/* Up to `most` with names after `after` (NULL: from the first), in byte order, each retained; returns how many. */
+uint32_t server_registry_list(struct server_registry *registry, const char *after, uint32_t most,
+                              struct server_listed *out);
+
+/* --- loading --- */
+
+/* The verified bytes of a record (record->size of them), malloc'ed: see store.h. */
+enum server_store_outcome server_registry_fetch(struct server_registry *registry, const struct server_record *record,
+                                                void **bytes);
+
+/* Keeps a surface in memory that was loaded, if its record is still the one of that name and no other was quicker. */
+void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
+
+/* Of the surfaces that are not in memory, the one that was used most; its record retained, or NULL. Each is given once. */
+struct server_record *server_registry_hottest(struct server_registry *registry);
+
+/* Tells the store how often surfaces were used, if that changed since the last time. */
+void server_registry_note_uses(struct server_registry *registry);
+
+/* --- about it --- */
+
+struct server_registry_statistics {
+    uint64_t surfaces, loaded, loads, unloads;
+};
+struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
+
+/* Why nothing can be written, a sentence; NULL: all is well. */
+const char *server_registry_health(struct server_registry *registry);
 
 #endif

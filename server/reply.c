@@ -8,6 +8,7 @@
 #include <strings.h>
 
 #include "proto/accept.h"
+#include "server/etag.h"
 #include "server/gzip.h"
 #include "server/server.h"
 
@@ -145,15 +146,26 @@ static void drop_body(struct server_response *response)
     response->size = 0;
 }
 
-/* RFC 9110, 13.1.2: a GET whose entity tag the client names already. Tags here hold no commas, so a search in the
- * list is exact. */
-static bool is_unchanged(const struct server_exchange *exchange)
+/* RFC 9110, 13.2.2, of a GET that would be answered with 200: what If-Match and If-None-Match make of it. */
+static void apply_conditions(struct server_exchange *exchange)
 {
-    const struct server_response *response = &exchange->response;
-    const char *etag = response_header(response, "ETag"), *known = server_exchange_header(exchange, "If-None-Match");
-    if (response->status != 200 || !etag || !known) return false;
-    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return false;
-    return strcmp(known, "*") == 0 || strstr(known, etag);
+    struct server_response *response = &exchange->response;
+    const char *quoted = response_header(response, "ETag");
+    const char *wanted = server_exchange_header(exchange, "If-Match");
+    const char *known = server_exchange_header(exchange, "If-None-Match");
+    if (response->status != 200 || !quoted || (!wanted && !known)) return;
+    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return;
+    const char *tag = quoted + 1;
+    size_t size = strlen(quoted) - 2;
+    if (wanted && !server_etag_listed(wanted, tag, size, SERVER_ETAG_STRONG)) {
+        drop_body(response);
+        server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
+                             "the resource is not in the version that If-Match names; get its ETag and try again");
+    } else if (known && server_etag_listed(known, tag, size, SERVER_ETAG_WEAK)) {
+        drop_body(response);
+        response->status = 304;
+        response->media_type = NULL;
+    }
 }
 
 static void compress(struct server_exchange *exchange)
@@ -174,11 +186,7 @@ static void compress(struct server_exchange *exchange)
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    if (is_unchanged(exchange)) {
-        drop_body(response);
-        response->status = 304;
-        response->media_type = NULL;
-    }
+    apply_conditions(exchange);
     compress(exchange);
     if (response->media_type) server_reply_header(exchange, "Content-Type", "%s", response->media_type);
     server_reply_header(exchange, "X-Request-Id", "%s", exchange->request_id);

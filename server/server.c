@@ -7,35 +7,61 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "server/field_store.h"
 #include "server/http.h"
-#include "server/registry.h"
+#include "server/keeper.h"
 #include "server/timekeeper.h"
 
-#define LAST_ANSWERS_NS UINT64_C(2000000000) /* for the answers to leave, once there is nothing left to compute */
+#define PERSIST_NS      UINT64_C(10000000000) /* for writing fields, which can be computed again */
+#define LAST_ANSWERS_NS UINT64_C(2000000000)  /* for the answers to leave, once there is nothing left to compute */
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void destroy(struct server *server)
 {
+    server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
-    if (server->store) server->store->close(server->store);
+    server_registry_destroy(server->registry);
+    server_field_store_close(server->fields);
+    server_loads_destroy(server->loads);
     server_cache_destroy(server->cache);
     server_workers_destroy(server->workers);
     server_metrics_destroy(server->metrics);
     free(server);
 }
 
-static bool create_parts(struct server *server)
+static struct server_store *open_store(const struct server_config *config, char *error, size_t error_size)
+{
+    if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
+    return server_store_local_open(config->data_dir, error, error_size);
+}
+
+static bool create_registry(struct server *server, char *error, size_t error_size)
+{
+    const struct server_config *config = &server->config;
+    struct server_store *store = open_store(config, error, error_size);
+    if (!store) return false;
+    server->registry = server_registry_create(store, &server->budget);
+    if (!server->registry || config->store == SERVER_STORE_KIND_MEMORY || !config->persist_fields)
+        return server->registry != NULL;
+    server->fields = server_field_store_open(config->data_dir, &server->budget);
+    if (server->fields) server_field_store_clean(server->fields, server->registry);
+    return server->fields != NULL;
+}
+
+static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
     server->guard.config = config;
     server_budget_init(&server->budget, config->memory_budget);
     server->workers = server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
     if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
-    server->store = server_registry_create();
+    if (server->workers) server->loads = server_loads_create(server->workers);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    if (!server->cache || !server->store || !server->metrics) return false;
+    if (!server->cache || !server->loads || !server->metrics) return false;
+    if (!create_registry(server, error, error_size)) return false;
     server->timekeeper = server_timekeeper_create(server);
-    return server->timekeeper != NULL;
+    server->keeper = server_keeper_create(server);
+    return server->timekeeper && server->keeper;
 }
 
 static bool listen_on(struct server *server, char *error, size_t error_size)
@@ -52,7 +78,8 @@ struct server *server_start(const struct server_config *config, char *error, siz
     struct server *server = calloc(1, sizeof *server);
     if (!server) return NULL;
     server->config = *config;
-    if (create_parts(server) && listen_on(server, error, error_size)) return server;
+    if (create_parts(server, error, error_size) && listen_on(server, error, error_size)) return server;
+    if (server->workers) server_workers_cancel(server->workers);
     destroy(server);
     return NULL;
 }
@@ -80,6 +107,15 @@ static void remove_socket(const struct server_address *address)
     if (address->socket.ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
 }
 
+/* Nothing else runs but the keeper, which is ending. */
+static void persist(struct server *server)
+{
+    server_keeper_destroy(server->keeper);
+    server->keeper = NULL;
+    server_registry_note_uses(server->registry);
+    if (server->fields) server_field_store_save(server->fields, server->registry, gd_now_ns() + PERSIST_NS);
+}
+
 void server_stop(struct server *server)
 {
     atomic_store(&server->draining, true);
@@ -91,6 +127,7 @@ void server_stop(struct server *server)
     while (atomic_load(&server->deferred)) pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);
+    persist(server);
     destroy(server);
     server_log_message(SERVER_LOG_INFO, "stopped", "all requests are answered");
 }

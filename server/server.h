@@ -1,11 +1,13 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, store, metrics,
- * timekeeper, http. Workers, cache, store and timekeeper have a lock each; no thread ever holds two of them. Budget
- * and metrics are atomic.
+ * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, loads, store and registry,
+ * field store, metrics, timekeeper, keeper, http. Workers, cache, loads and timekeeper have a lock each, the registry two;
+ * the only ones held together are the registry's writer lock, its slots' lock and the cache's, in that order. Budget and
+ * metrics are atomic.
  *
  * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
- * cancelled -> every deferred exchange has finished -> HTTP stops -> the parts are destroyed in reverse order. */
+ * cancelled -> every deferred exchange has finished -> HTTP stops -> uses and fields are persisted -> the parts are
+ * destroyed in reverse order. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
@@ -17,12 +19,15 @@
 #include "server/cache.h"
 #include "server/config.h"
 #include "server/guard.h"
+#include "server/loads.h"
 #include "server/metrics.h"
-#include "server/store.h"
+#include "server/registry.h"
 #include "server/workers.h"
 
 struct server_http;
 struct server_timekeeper;
+struct server_keeper;
+struct server_field_store;
 
 struct server {
     struct server_config config;
@@ -30,9 +35,12 @@ struct server {
     struct server_budget budget;
     struct server_workers *workers;
     struct server_cache *cache;
-    struct server_store *store;
+    struct server_loads *loads;
+    struct server_registry *registry;
+    struct server_field_store *fields; /* NULL: they are not persisted */
     struct server_metrics *metrics;
     struct server_timekeeper *timekeeper;
+    struct server_keeper *keeper;
     struct server_http *http;
     atomic_uint deferred; /* exchanges that the HTTP side has parked */
     atomic_bool draining;

@@ -1,7 +1,10 @@
-/* Store: the surfaces by name. What a back-end must do; registry.c keeps them in memory.
+/* Store: where surfaces outlive the process. What a back-end must do; the registry keeps the names, the order, the
+ * conditions and what is in memory.
  *
- * All calls are thread-safe. A name has one surface at a time; what is put is seen by the next get. Surfaces that
- * go (replaced or removed) are retired by the store and live on for those who hold them. */
+ * store_memory.c keeps nothing, store_local.c SQLite and files in a folder.
+ *
+ * Threads: put, keep, remove and note_uses are called by one thread at a time (the registry's writer lock); fetch and
+ * health by any. each is called once, before the others. */
 #ifndef SERVER_STORE_H
 #define SERVER_STORE_H
 
@@ -9,39 +12,57 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "server/surface.h"
-
-/* RFC 9110, 13: If-Match and If-None-Match as the client sent them; NULL: absent. */
-struct server_precondition {
-    const char *if_match, *if_none_match;
-};
-
-/* Does it hold for a resource of that entity tag (without quotes; NULL: there is no such resource)? */
-bool server_precondition_holds(const struct server_precondition *precondition, const char *etag);
+#include "server/record.h"
 
 enum server_store_outcome {
-    SERVER_STORE_CREATED,
-    SERVER_STORE_REPLACED,
-    SERVER_STORE_REMOVED,
-    SERVER_STORE_ABSENT,
-    SERVER_STORE_PRECONDITION, /* it does not hold; nothing changed */
-    SERVER_STORE_NO_MEMORY     /* nothing changed */
+    SERVER_STORE_DONE,
+    SERVER_STORE_CREATED,      /* of the registry: done, the name is new */
+    SERVER_STORE_REPLACED,     /* of the registry: done, the name had another surface, or the same */
+    SERVER_STORE_ABSENT,       /* there is no such surface */
+    SERVER_STORE_PRECONDITION, /* of the registry: it does not hold; nothing changed */
+    SERVER_STORE_NO_MEMORY,    /* nothing changed */
+    SERVER_STORE_FULL,         /* no room on the disk; nothing changed */
+    SERVER_STORE_REFUSED,      /* the system refused to open or rename; nothing changed */
+    SERVER_STORE_READ_ONLY,    /* an earlier write, or this one, could not be made durable: no more are tried */
+    SERVER_STORE_DAMAGED       /* what is stored is not what was put */
+};
+
+/* How often a surface was used since it was created, and when last. It decides what is loaded first after a start. */
+struct server_store_uses {
+    uint64_t count;
+    int64_t last; /* seconds since 1970 */
 };
 
 struct server_store {
-    /* Stores a surface under its name, together with the bytes that it was made from (borrowed). The store takes a
-     * reference of its own. */
-    enum server_store_outcome (*put)(struct server_store *store, struct server_surface *surface, const void *bytes,
-                                     size_t size, const struct server_precondition *precondition);
-    /* The surface of that name, retained, or NULL. */
-    struct server_surface *(*get)(struct server_store *store, const char *name);
-    enum server_store_outcome (*remove)(struct server_store *store, const char *name,
-                                        const struct server_precondition *precondition);
-    /* Up to `most` surfaces with names after `after` (NULL: from the first), in byte order, each retained, into
-     * `out`; returns how many. */
-    uint32_t (*list)(struct server_store *store, const char *after, uint32_t most, struct server_surface **out);
-    uint32_t (*count)(struct server_store *store);
-    void (*close)(struct server_store *store); /* retires and releases all, frees the store */
+    /* Visits what is stored, in the order of the names. The visitor retains what it keeps; false ends the visit. */
+    void (*each)(struct server_store *store,
+                 bool (*visit)(void *user, struct server_record *record, const struct server_store_uses *uses),
+                 void *user);
+    /* Stores a surface under its name, in the place of the one that was there, with the bytes that it is made from
+     * (borrowed). Durable when it returns DONE. */
+    enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record, const void *bytes);
+    /* Makes sure that the bytes of a stored surface are there, and whole. */
+    enum server_store_outcome (*keep)(struct server_store *store, const struct server_record *record,
+                                      const void *bytes);
+    /* Durable when it returns DONE. */
+    enum server_store_outcome (*remove)(struct server_store *store, const struct server_record *record);
+    /* The bytes of a surface (record->size of them), verified, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL: this
+     * store keeps no bytes, and what is loaded must stay in memory. */
+    enum server_store_outcome (*fetch)(struct server_store *store, const struct server_record *record, void **bytes);
+    /* Remembers the uses of some surfaces, if it can. */
+    void (*note_uses)(struct server_store *store, const struct server_record *const *records,
+                      const struct server_store_uses *uses, uint32_t count);
+    /* Why nothing can be written, as a sentence that lives as long as the store; NULL: all is well. */
+    const char *(*health)(struct server_store *store);
+    void (*close)(struct server_store *store); /* frees it */
 };
+
+/* A store that forgets everything when it is closed. NULL without memory. */
+struct server_store *server_store_memory_create(void);
+
+/* The store in a folder, which is created if need be and belongs to one process at a time. NULL with a sentence in
+ * `error`: another process has it, the folder can't be used, or a later version wrote it. Damage never keeps it from
+ * opening: it is mended as far as possible, and logged. */
+struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size);
 
 #endif

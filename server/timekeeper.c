@@ -24,6 +24,7 @@ static void tick(struct server *server)
     uint64_t now = gd_now_ns();
     server_workers_expire(server->workers, now);
     server_cache_expire(server->cache, now);
+    server_loads_expire(server->loads, now);
 }
 
 static void *keep_time(void *user)

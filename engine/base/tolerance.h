@@ -13,7 +13,7 @@
 
 /* A face whose height over its longest edge is less than this part of that edge is refused as degenerate: a source in its corner lies so close
  * to the edge that parameters along the edge no longer tell the angle at which it is seen. */
-#define GD_TOL_FLAT 1e-8
+#define GD_TOL_FLAT 1e-7
 
 /* A source outside an edge's ends and less than this part of its length off its line sees it end on: the end's candidate covers it. */
 #define GD_TOL_GRAZING 1e-13

@@ -62,6 +62,18 @@ size_t gd__field_bytes(const struct gd_field *field)
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
 
+/* The metric's own law on every edge within reach: a neighbour is no farther than the edge between (so no vertex was left out either). Where windows
+ * tie to the last bit all along, as round a very thin tube, rounding may displace all of them: then there is no answer, rather than a wrong one. */
+static enum gd_status check_edges(const struct gd_field *field)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    for (uint32_t side = 0; side < 2 * mesh->edge_count; side++) {
+        double through = field->distance[mesh->origin[side]] + mesh->side[side].length;
+        if (through <= field->reach && field->distance[mesh->origin[side ^ 1]] > through * (1 + GD_TOL_CHECK)) return GD_INTERNAL;
+    }
+    return GD_OK;
+}
+
 enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
                               const struct gd_control *control, const struct gd_executor *executor,
                               struct gd_field **out, struct gd_detail *detail)
@@ -78,6 +90,7 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
                                           .radius = request->radius > 0 ? request->radius / mesh->unit : GD__FAR,
                                           .target = request->target};
     if (!status) status = gd__wavefront_run(mesh, &propagation, &keep_wedges, control, executor);
+    if (!status) status = check_edges(field);
     if (status) {
         gd_field_release(field);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));

@@ -6,12 +6,17 @@
 
 struct step {
     enum gd_status (*run)(struct gd__construction *work);
-    double done; /* part of the whole work after it, as measured on a scan of 278k faces */
+    double done; /* part of the whole work after it, as measured on a sphere of 328k faces */
 };
 
 static const struct step steps[] = {
-    {gd__triangulate, 0.05},   {gd__order, 0.15},     {gd__scale, 0.2},      {gd__connect, 0.3},    {gd__orient, 0.35},
-    {gd__check_vertices, 0.4}, {gd__make_sides, 0.8}, {gd__make_fans, 0.95}, {gd__summarise, 0.97}, {gd__make_bvh, 1},
+    {gd__merge_vertices, 0},   {gd__validate_corners, 0.03},
+    {gd__triangulate, 0.05},   {gd__repair, 0.05},
+    {gd__order, 0.17},         {gd__scale, 0.23},
+    {gd__connect, 0.34},       {gd__orient, 0.38},
+    {gd__check_vertices, 0.4}, {gd__make_sides, 0.65},
+    {gd__make_fans, 0.89},     {gd__summarise, 0.95},
+    {gd__make_bvh, 1},
 };
 
 static enum gd_status run_steps(struct gd__construction *work)
@@ -29,14 +34,11 @@ static enum gd_status run_steps(struct gd__construction *work)
 
 static uint64_t triangle_count(const struct gd_polygons *polygons)
 {
-    if (!polygons->first) return polygons->polygon_count;
     return gd_polygons_corner_count(polygons) - 2 * (uint64_t)polygons->polygon_count;
 }
 
-/* The budget covers the peak: the mesh and the work on it. */
-static enum gd_status afford(const struct gd__construction *work)
+enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices)
 {
-    uint64_t faces = triangle_count(work->polygons), vertices = work->polygons->position_count;
     size_t cost = gd_mesh_build_cost(faces, vertices);
     if (!gd_control_afford(work->control, cost)) return GD_OK;
     return gd_fail(work->detail, GD_BUDGET, "building this mesh takes up to %zu bytes, more than the budget of %zu",
@@ -45,7 +47,11 @@ static enum gd_status afford(const struct gd__construction *work)
 
 static void free_scratch(struct gd__construction *work)
 {
+    free(work->representative);
+    free(work->merged.corners);
+    free(work->merged.first);
     free(work->triangle);
+    free(work->face_index);
     free(work->corner);
     free(work->neighbour);
     free(work->component);
@@ -54,9 +60,10 @@ static void free_scratch(struct gd__construction *work)
 enum gd_status gd_mesh_build(const struct gd_polygons *polygons, const struct gd_mesh_options *options,
                              const struct gd_control *control, struct gd_mesh **out, struct gd_detail *detail)
 {
-    struct gd__construction work = {.polygons = polygons, .control = control, .detail = detail};
-    enum gd_status status = gd__validate(&work, options);
-    if (!status) status = afford(&work);
+    struct gd__construction work = {.input = polygons, .polygons = polygons, .control = control, .detail = detail};
+    if (options) work.options = *options;
+    enum gd_status status = gd__validate(&work);
+    if (!status) status = gd__afford(&work, triangle_count(polygons), polygons->position_count);
     if (status) return status;
     work.mesh = calloc(1, sizeof *work.mesh);
     if (!work.mesh) return GD_NO_MEMORY;

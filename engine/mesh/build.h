@@ -14,12 +14,20 @@
 #define GD_MESH_MAX_FACES (1u << 30)
 
 struct gd__construction {
-    const struct gd_polygons *polygons; /* borrowed */
-    const struct gd_control *control;   /* borrowed, may be NULL */
-    struct gd_detail *detail;           /* borrowed, may be NULL */
-    struct gd_mesh *mesh;               /* half-built, owned */
+    const struct gd_polygons *input;    /* borrowed */
+    const struct gd_polygons *polygons; /* what the steps take: the input, or `merged` */
+    struct gd_mesh_options options;
+    const struct gd_control *control; /* borrowed, may be NULL */
+    struct gd_detail *detail;         /* borrowed, may be NULL */
+    struct gd_mesh *mesh;             /* half-built, owned */
 
-    uint32_t (*triangle)[3]; /* per input triangle: input vertex indices */
+    /* What weld and repair make of the input; NULL and 0 where they had nothing to do. */
+    uint32_t *representative;  /* per input vertex: the one that it was merged into, itself if none */
+    struct gd_polygons merged; /* the input's polygons by representatives; what is left of some has no corners */
+    uint32_t *face_index;      /* per triangle: its index, ascending; NULL: triangle i has index i */
+    uint32_t copy_count;       /* of vertices; mesh->copy_of holds what they are copies of */
+
+    uint32_t (*triangle)[3]; /* mesh->face_count: vertex indices */
     uint32_t (*corner)[3];   /* per face: vertices; counter-clockwise from gd__orient on */
     uint32_t *neighbour; /* per face side 3 f + k, from corner k to k + 1: that side in the face across, or GD_NONE */
     uint32_t *component; /* per face */
@@ -30,8 +38,11 @@ struct gd__construction {
 };
 
 /* The steps, in order. */
-enum gd_status gd__validate(struct gd__construction *work, const struct gd_mesh_options *options);
+enum gd_status gd__validate(const struct gd__construction *work);
+enum gd_status gd__merge_vertices(struct gd__construction *work);
+enum gd_status gd__validate_corners(struct gd__construction *work);
 enum gd_status gd__triangulate(struct gd__construction *work);
+enum gd_status gd__repair(struct gd__construction *work);
 enum gd_status gd__order(struct gd__construction *work);
 enum gd_status gd__scale(struct gd__construction *work);
 enum gd_status gd__connect(struct gd__construction *work);
@@ -47,6 +58,12 @@ void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size);
 
 /* The same for sides, aligned to their cache line and not zeroed. */
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count);
+
+/* GD_OK, or GD_BUDGET with its sentence when building so large a mesh would take more than the budget. */
+enum gd_status gd__afford(const struct gd__construction *work, uint64_t faces, uint64_t vertices);
+
+/* Appends to the sentence of a refusal that the weld brought another vertex to one of these, if it did. */
+void gd__blame_weld(const struct gd__construction *work, const uint32_t *vertices, uint32_t count);
 
 /* The caller's number of a face: the input polygon that it came from. */
 uint32_t gd__input_polygon(const struct gd_mesh *mesh, uint32_t face);

@@ -38,6 +38,7 @@ static enum gd_status refuse(const struct gd__construction *work, const struct g
     gd_fail(work->detail, GD_NON_MANIFOLD_VERTEX,
             "the faces around vertex %u form %u separate fans; give each fan a vertex of its own",
             (unsigned)split->lowest[0].a, split->lowest[0].witness);
+    gd__blame_weld(work, (uint32_t[1]){(uint32_t)split->lowest[0].a}, 1);
     return gd__offenders_report(split, GD_ELEMENT_VERTEX, GD_NON_MANIFOLD_VERTEX, work->detail);
 }
 

@@ -60,6 +60,8 @@ static void destroy(struct gd_mesh *mesh)
         mesh->face_flipped,
         mesh->source_polygon,
         mesh->input_position,
+        mesh->repair,
+        mesh->copy_of,
     };
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
     gd__bvh_free(mesh->bvh);
@@ -83,6 +85,19 @@ const struct gd_mesh_summary *gd_mesh_summary(const struct gd_mesh *mesh)
     return &mesh->summary;
 }
 
+const struct gd_mesh_repair *gd_mesh_repair(const struct gd_mesh *mesh)
+{
+    static const struct gd_mesh_repair nothing;
+    return mesh->repair ? mesh->repair : &nothing;
+}
+
+struct gd_vertex gd_mesh_original(const struct gd_mesh *mesh, struct gd_vertex vertex)
+{
+    assert(vertex.index < mesh->summary.index_count);
+    uint32_t uploaded = mesh->summary.index_count - gd_mesh_repair(mesh)->copies;
+    return vertex.index < uploaded ? vertex : (struct gd_vertex){mesh->copy_of[vertex.index - uploaded]};
+}
+
 struct gd_boundary gd_mesh_boundary(const struct gd_mesh *mesh, uint32_t loop)
 {
     assert(loop < mesh->summary.boundaries);
@@ -95,16 +110,21 @@ struct gd_vec3 gd_mesh_position(const struct gd_mesh *mesh, struct gd_vertex ver
     return mesh->input_position[vertex.index];
 }
 
+bool gd_mesh_has_face(const struct gd_mesh *mesh, struct gd_face face)
+{
+    return face.index < mesh->summary.face_index_count && mesh->face_of_index[face.index] != GD_NONE;
+}
+
 void gd_mesh_corners(const struct gd_mesh *mesh, struct gd_face face, struct gd_vertex corners[3])
 {
-    assert(face.index < mesh->face_count);
+    assert(gd_mesh_has_face(mesh, face));
     const uint32_t *sides = mesh->face_side[mesh->face_of_index[face.index]];
     for (int k = 0; k < 3; k++) corners[k].index = mesh->index_of_vertex[mesh->origin[sides[k]]];
 }
 
 uint32_t gd_mesh_source_face(const struct gd_mesh *mesh, struct gd_face face)
 {
-    assert(face.index < mesh->face_count);
+    assert(face.index < mesh->summary.face_index_count);
     return mesh->source_polygon ? mesh->source_polygon[face.index] : face.index;
 }
 
@@ -121,10 +141,12 @@ enum gd_status gd_mesh_polygons(const struct gd_mesh *mesh, struct gd_polygons *
         struct gd_vec3 p = mesh->input_position[i];
         memcpy(polygons.positions[i], (double[3]){p.x, p.y, p.z}, sizeof polygons.positions[i]);
     }
-    for (uint32_t i = 0; i < polygons.polygon_count; i++) {
+    uint32_t *next = polygons.corners;
+    for (uint32_t i = 0; i < mesh->summary.face_index_count; i++) {
         struct gd_vertex corners[3];
+        if (!gd_mesh_has_face(mesh, (struct gd_face){i})) continue;
         gd_mesh_corners(mesh, (struct gd_face){i}, corners);
-        for (size_t k = 0; k < 3; k++) polygons.corners[3 * (size_t)i + k] = corners[k].index;
+        for (int k = 0; k < 3; k++) *next++ = corners[k].index;
     }
     *out = polygons;
     return GD_OK;

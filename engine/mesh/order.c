@@ -107,6 +107,15 @@ static uint32_t lowest_vertex(const struct gd_mesh *mesh, const uint32_t triangl
     return least < c ? least : c;
 }
 
+static void place_face(struct gd__construction *work, uint32_t triangle, uint32_t face)
+{
+    struct gd_mesh *mesh = work->mesh;
+    uint32_t index = work->face_index ? work->face_index[triangle] : triangle;
+    mesh->face_of_index[index] = face;
+    mesh->index_of_face[face] = index;
+    for (int k = 0; k < 3; k++) work->corner[face][k] = mesh->vertex_of_index[work->triangle[triangle][k]];
+}
+
 /* Counting sort by the lowest vertex; faces of one vertex keep their order. */
 static enum gd_status number_faces(struct gd__construction *work)
 {
@@ -115,11 +124,9 @@ static enum gd_status number_faces(struct gd__construction *work)
     if (!start) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < mesh->face_count; i++) start[lowest_vertex(mesh, work->triangle[i]) + 1]++;
     for (uint32_t v = 0; v < mesh->vertex_count; v++) start[v + 1] += start[v];
-    for (uint32_t i = 0; i < mesh->face_count; i++) {
-        uint32_t face = start[lowest_vertex(mesh, work->triangle[i])]++;
-        mesh->face_of_index[i] = face;
-        mesh->index_of_face[face] = i;
-    }
+    memset(mesh->face_of_index, 0xff, mesh->summary.face_index_count * sizeof *mesh->face_of_index);
+    for (uint32_t i = 0; i < mesh->face_count; i++)
+        place_face(work, i, start[lowest_vertex(mesh, work->triangle[i])]++);
     free(start);
     return GD_OK;
 }
@@ -130,16 +137,29 @@ static void copy_positions(struct gd__construction *work)
         const double *p = work->polygons->positions[i];
         work->mesh->input_position[i] = (struct gd_vec3){p[0], p[1], p[2]};
     }
+    for (uint32_t c = 0; c < work->copy_count; c++)
+        work->mesh->input_position[work->polygons->position_count + c] =
+            work->mesh->input_position[work->mesh->copy_of[c]];
+}
+
+/* The index of a merged vertex names the surface vertex of its representative. */
+static void name_merged_vertices(struct gd__construction *work)
+{
+    struct gd_mesh *mesh = work->mesh;
+    if (!work->representative) return;
+    for (uint32_t i = 0; i < work->polygons->position_count; i++) {
+        if (work->representative[i] != i) mesh->vertex_of_index[i] = mesh->vertex_of_index[work->representative[i]];
+    }
 }
 
 enum gd_status gd__order(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    uint32_t index_count = work->polygons->position_count;
+    uint32_t index_count = work->polygons->position_count + work->copy_count;
     mesh->summary.index_count = index_count;
     mesh->input_position = gd__mesh_array(mesh, index_count, sizeof *mesh->input_position);
     mesh->vertex_of_index = gd__mesh_array(mesh, index_count, sizeof *mesh->vertex_of_index);
-    mesh->face_of_index = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_of_index);
+    mesh->face_of_index = gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->face_of_index);
     mesh->index_of_face = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->index_of_face);
     work->corner = malloc(mesh->face_count * sizeof *work->corner);
     if (!mesh->input_position || !mesh->vertex_of_index || !mesh->face_of_index || !mesh->index_of_face ||
@@ -150,10 +170,6 @@ enum gd_status gd__order(struct gd__construction *work)
     find_bounding_box(mesh);
     enum gd_status status = number_vertices(mesh);
     if (!status) status = number_faces(work);
-    if (status) return status;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
-        for (int k = 0; k < 3; k++)
-            work->corner[f][k] = mesh->vertex_of_index[work->triangle[mesh->index_of_face[f]][k]];
-    }
-    return GD_OK;
+    if (!status) name_merged_vertices(work);
+    return status;
 }

@@ -1,69 +1,23 @@
-/* A consistent orientation: neighbours run along their common edge in opposite directions. Breadth first over each
- * component, from its lowest-numbered face; the majority of a component's faces keeps the orientation of the input,
- * at a tie that face does. */
+/* A consistent orientation of the whole mesh, or the refusal of a one-sided one. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "mesh/build.h"
 #include "mesh/offenders.h"
+#include "mesh/orientation.h"
 
-struct search {
-    uint32_t *queue; /* all faces, component by component */
-    uint32_t end;
-    struct gd__offenders contradictions; /* a, b: an edge; witness: a face of its component */
+struct contradictions {
+    const struct gd__construction *work;
+    struct gd__offenders edges; /* a, b: an edge; witness: a face of its component */
 };
 
-static bool run_alike(const struct gd__construction *work, uint32_t side, uint32_t other)
+static void note_contradiction(void *user, uint32_t side)
 {
-    return work->corner[side / 3][side % 3] == work->corner[other / 3][other % 3];
-}
-
-static void note_contradiction(struct gd__construction *work, uint32_t side, struct search *search)
-{
-    const struct gd_mesh *mesh = work->mesh;
-    const uint32_t *corner = work->corner[side / 3];
+    struct contradictions *contradictions = user;
+    const struct gd_mesh *mesh = contradictions->work->mesh;
+    const uint32_t *corner = contradictions->work->corner[side / 3];
     uint32_t a = mesh->index_of_vertex[corner[side % 3]];
     uint32_t b = mesh->index_of_vertex[corner[gd__next_corner(side % 3)]];
-    gd__offenders_add(&search->contradictions, a < b ? a : b, a < b ? b : a, gd__input_polygon(mesh, side / 3));
-}
-
-static void visit_neighbours(struct gd__construction *work, uint32_t face, struct search *search, bool *contradicted)
-{
-    uint8_t *flipped = work->mesh->face_flipped;
-    for (uint32_t side = 3 * face; side < 3 * face + 3; side++) {
-        uint32_t other = work->neighbour[side];
-        if (other == GD_NONE) continue;
-        uint8_t wanted = flipped[face] ^ (uint8_t)run_alike(work, side, other);
-        if (work->component[other / 3] == GD_NONE) {
-            work->component[other / 3] = work->component[face];
-            flipped[other / 3] = wanted;
-            search->queue[search->end++] = other / 3;
-        } else if (flipped[other / 3] != wanted && !*contradicted) {
-            note_contradiction(work, side, search);
-            *contradicted = true;
-        }
-    }
-}
-
-/* Lets the majority of queue[begin, end) keep its orientation; returns how many are turned over. */
-static uint32_t side_with_majority(uint8_t *flipped, const uint32_t *queue, uint32_t begin, uint32_t end)
-{
-    uint32_t turned = 0, count = end - begin;
-    for (uint32_t i = begin; i < end; i++) turned += flipped[queue[i]];
-    if (2 * (uint64_t)turned <= count) return turned;
-    for (uint32_t i = begin; i < end; i++) flipped[queue[i]] ^= 1;
-    return count - turned;
-}
-
-static void orient_component(struct gd__construction *work, uint32_t seed, struct search *search)
-{
-    uint32_t begin = search->end;
-    bool contradicted = false;
-    work->component[seed] = work->component_count++;
-    search->queue[search->end++] = seed;
-    for (uint32_t i = begin; i < search->end; i++) visit_neighbours(work, search->queue[i], search, &contradicted);
-    work->mesh->summary.flipped_faces +=
-        side_with_majority(work->mesh->face_flipped, search->queue, begin, search->end);
+    gd__offenders_add(&contradictions->edges, a < b ? a : b, a < b ? b : a, gd__input_polygon(mesh, side / 3));
 }
 
 static uint32_t side_after_flips(const struct gd_mesh *mesh, uint32_t side)
@@ -101,20 +55,26 @@ static enum gd_status refuse(const struct gd__construction *work, const struct g
 enum gd_status gd__orient(struct gd__construction *work)
 {
     struct gd_mesh *mesh = work->mesh;
-    struct search search = {.queue = malloc(mesh->face_count * sizeof *search.queue)};
     work->component = malloc(mesh->face_count * sizeof *work->component);
     mesh->face_flipped = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->face_flipped);
-    if (!search.queue || !work->component || !mesh->face_flipped) {
-        free(search.queue);
-        return GD_NO_MEMORY;
-    }
-    memset(work->component, 0xff, mesh->face_count * sizeof *work->component);
-    for (uint32_t i = 0; i < mesh->face_count; i++) {
-        uint32_t seed = mesh->face_of_index[i];
-        if (work->component[seed] == GD_NONE) orient_component(work, seed, &search);
-    }
-    free(search.queue);
-    if (search.contradictions.total) return refuse(work, &search.contradictions);
+    if (!work->component || !mesh->face_flipped) return GD_NO_MEMORY;
+    struct contradictions contradictions = {.work = work};
+    struct gd__orientation orientation = {
+        .corner = (const uint32_t(*)[3])work->corner,
+        .neighbour = work->neighbour,
+        .face_count = mesh->face_count,
+        .seeds = mesh->face_of_index,
+        .seed_count = mesh->summary.face_index_count,
+        .contradicted = note_contradiction,
+        .user = &contradictions,
+        .flipped = mesh->face_flipped,
+        .component = work->component,
+    };
+    enum gd_status status = gd__orient_faces(&orientation);
+    if (status) return status;
+    if (contradictions.edges.total) return refuse(work, &contradictions.edges);
+    work->component_count = orientation.component_count;
+    mesh->summary.flipped_faces = orientation.flipped_count;
     turn_over(work);
     return GD_OK;
 }

@@ -72,6 +72,20 @@ enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, 
     return GD_OK;
 }
 
+static enum gd_status find_face(const struct gd_mesh *mesh, struct gd_face face, uint32_t *out,
+                                struct gd_detail *detail)
+{
+    if (face.index >= mesh->summary.face_index_count)
+        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the mesh has %u, numbered from 0", face.index,
+                       mesh->summary.face_index_count);
+    if (!gd_mesh_has_face(mesh, face))
+        return gd_fail(detail, GD_OUT_OF_RANGE,
+                       "face %u was removed when the mesh was repaired or welded: it had no area, or was there twice",
+                       face.index);
+    *out = mesh->face_of_index[face.index];
+    return GD_OK;
+}
+
 static enum gd_status check_barycentric(const double b[3], struct gd_detail *detail)
 {
     if (!isfinite(b[0]) || !isfinite(b[1]) || !isfinite(b[2]))
@@ -103,13 +117,11 @@ static void normalise(const struct gd_mesh *mesh, uint32_t face, const double b[
 enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face, const double barycentric[3],
                                 struct gd_point *out, struct gd_detail *detail)
 {
-    if (face.index >= mesh->face_count)
-        return gd_fail(detail, GD_OUT_OF_RANGE, "there is no face %u: the mesh has %u, numbered from 0", face.index,
-                       mesh->face_count);
-    enum gd_status status = check_barycentric(barycentric, detail);
+    uint32_t f = GD_NONE;
+    enum gd_status status = find_face(mesh, face, &f, detail);
+    if (!status) status = check_barycentric(barycentric, detail);
     if (status) return status;
     double weight[3];
-    uint32_t f = mesh->face_of_index[face.index];
     normalise(mesh, f, barycentric, weight);
     *out = gd__point_of_face(mesh, f, weight);
     return GD_OK;

@@ -96,11 +96,11 @@ static void measure_edges(struct gd_mesh *mesh)
 static void sum_up(struct gd_mesh *mesh, uint32_t component_count)
 {
     struct gd_mesh_summary *s = &mesh->summary;
+    for (uint32_t i = 0; i < s->index_count; i++) s->unreferenced_vertices += mesh->vertex_of_index[i] == GD_NONE;
     s->vertices = mesh->vertex_count;
     s->faces = mesh->face_count;
     s->edges = mesh->edge_count;
     s->components = component_count;
-    s->unreferenced_vertices = s->index_count - s->vertices;
     s->euler_characteristic = (int64_t)s->vertices - s->edges + s->faces;
     s->genus = (2 * (int64_t)s->components - s->euler_characteristic - s->boundaries) / 2;
 }

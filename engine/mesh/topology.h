@@ -75,11 +75,14 @@ struct gd_mesh {
     /* numbering */
     uint32_t *vertex_of_index; /* index_count entries: input index -> vertex, GD_NONE if unreferenced */
     uint32_t *index_of_vertex;
-    uint32_t *face_of_index; /* input triangle -> face */
+    uint32_t *face_of_index; /* face_index_count entries: input triangle -> face, GD_NONE if repair removed it */
     uint32_t *index_of_face;
     uint8_t *face_flipped;          /* per face: corners 1 and 2 are swapped against the input */
     uint32_t *source_polygon;       /* per input triangle; NULL when the input had only triangles */
     struct gd_vec3 *input_position; /* per input index, as given: to the last bit */
+
+    struct gd_mesh_repair *repair; /* NULL: neither repair nor weld was asked for */
+    uint32_t *copy_of; /* per vertex index that repair appended: the input index of its original; NULL: none */
 
     struct gd_bvh *bvh;
     size_t bytes;

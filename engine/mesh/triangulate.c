@@ -49,19 +49,30 @@ static enum gd_status split(struct gd__construction *work, uint32_t polygon, str
     return GD_OK;
 }
 
+/* Face indices count the triangles of the uploaded polygons: a polygon that lost corners leaves its last ones unused.
+ * Returns the first index of the next polygon. */
+static uint32_t name_triangles(struct gd__construction *work, uint32_t polygon, uint32_t made, uint32_t index)
+{
+    uint32_t count = size_of(work->polygons, polygon), end = index + size_of(work->input, polygon) - 2;
+    for (uint32_t k = 0; work->face_index && k + 2 < count; k++) work->face_index[made + k] = index + k;
+    for (uint32_t i = index; work->mesh->source_polygon && i < end; i++) work->mesh->source_polygon[i] = polygon;
+    return end;
+}
+
 static enum gd_status split_all(struct gd__construction *work, struct gd__ear_clipper *clipper,
                                 struct gd__edge_set *edges)
 {
     const struct gd_polygons *polygons = work->polygons;
     for (uint32_t i = 0; i < polygons->polygon_count; i++)
         insert_ring(edges, polygons->corners + gd_polygons_first(polygons, i), size_of(polygons, i));
-    uint32_t first = 0;
+    uint32_t made = 0, index = 0;
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         double done = (double)i / polygons->polygon_count;
         enum gd_status status = gd_control_check(work->control, work->begun + (work->until - work->begun) * done);
-        if (!status) status = split(work, i, clipper, edges, work->triangle + first);
+        if (!status && size_of(polygons, i)) status = split(work, i, clipper, edges, work->triangle + made);
         if (status) return status;
-        for (uint32_t k = size_of(polygons, i); k > 2; k--) work->mesh->source_polygon[first++] = i;
+        index = name_triangles(work, i, made, index);
+        if (size_of(polygons, i)) made += size_of(polygons, i) - 2;
     }
     return GD_OK;
 }
@@ -71,8 +82,7 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
     struct gd_mesh *mesh = work->mesh;
     struct gd__edge_set edges = {0};
     struct gd__ear_clipper *clipper = gd__ear_clipper_create(most_corners);
-    mesh->source_polygon = gd__mesh_array(mesh, mesh->face_count, sizeof *mesh->source_polygon);
-    enum gd_status status = clipper && mesh->source_polygon ? GD_OK : GD_NO_MEMORY;
+    enum gd_status status = clipper ? GD_OK : GD_NO_MEMORY;
     /* every edge of every polygon, and its diagonals */
     if (!status)
         status = gd__edge_set_create(gd_polygons_corner_count(work->polygons) + (uint64_t)mesh->face_count, &edges);
@@ -82,21 +92,47 @@ static enum gd_status triangulate(struct gd__construction *work, uint32_t most_c
     return status;
 }
 
+/* The corners are the triangles. */
+static void take_triangles(struct gd__construction *work)
+{
+    memcpy(work->triangle, work->polygons->corners, work->mesh->face_count * sizeof *work->triangle);
+    for (uint32_t i = 0, made = 0, index = 0; work->face_index && i < work->polygons->polygon_count; i++) {
+        index = name_triangles(work, i, made, index);
+        made += size_of(work->polygons, i) > 0;
+    }
+}
+
+static enum gd_status refuse_size(struct gd__construction *work, uint32_t polygon, uint32_t corners)
+{
+    gd_fail(work->detail, GD_UNSUPPORTED, "face %u has %u corners; at most %u are supported, split it", polygon,
+            corners, GD_EAR_MAX_CORNERS);
+    gd_detail_add(work->detail, GD_ELEMENT_FACE, polygon, 0);
+    return GD_UNSUPPORTED;
+}
+
+static uint32_t count_triangles(const struct gd_polygons *polygons)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < polygons->polygon_count; i++) count += size_of(polygons, i) ? size_of(polygons, i) - 2 : 0;
+    return count;
+}
+
 enum gd_status gd__triangulate(struct gd__construction *work)
 {
-    const struct gd_polygons *polygons = work->polygons;
-    uint32_t which = 0, most_corners = largest_polygon(polygons, &which);
-    if (most_corners > GD_EAR_MAX_CORNERS) {
-        gd_fail(work->detail, GD_UNSUPPORTED, "face %u has %u corners; at most %u are supported, split it", which,
-                most_corners, GD_EAR_MAX_CORNERS);
-        gd_detail_add(work->detail, GD_ELEMENT_FACE, which, 0);
-        return GD_UNSUPPORTED;
+    struct gd_mesh *mesh = work->mesh;
+    bool edited = work->polygons != work->input;
+    uint32_t which = 0, most_corners = largest_polygon(work->polygons, &which);
+    if (most_corners > GD_EAR_MAX_CORNERS) return refuse_size(work, which, most_corners);
+    mesh->face_count = count_triangles(work->polygons);
+    mesh->summary.face_index_count = count_triangles(work->input);
+    work->triangle = malloc(mesh->face_count * sizeof *work->triangle);
+    if (edited) work->face_index = malloc(mesh->face_count * sizeof *work->face_index);
+    if (!work->triangle || (edited && !work->face_index)) return GD_NO_MEMORY;
+    if (largest_polygon(work->input, &which) > 3) {
+        mesh->source_polygon = gd__mesh_array(mesh, mesh->summary.face_index_count, sizeof *mesh->source_polygon);
+        if (!mesh->source_polygon) return GD_NO_MEMORY;
     }
-    uint32_t corners = gd_polygons_corner_count(polygons);
-    work->mesh->face_count = corners - 2 * polygons->polygon_count;
-    work->triangle = malloc(work->mesh->face_count * sizeof *work->triangle);
-    if (!work->triangle) return GD_NO_MEMORY;
     if (most_corners > 3) return triangulate(work, most_corners);
-    memcpy(work->triangle, polygons->corners, corners * sizeof *polygons->corners);
+    take_triangles(work);
     return GD_OK;
 }

@@ -114,7 +114,7 @@ static enum gd_status check_edge_lengths(const struct gd_polygons *polygons, str
     struct gd__offenders offenders = {0};
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         uint32_t first = gd_polygons_first(polygons, i), end = gd_polygons_first(polygons, i + 1);
-        uint32_t a = polygons->corners[end - 1];
+        uint32_t a = end > first ? polygons->corners[end - 1] : GD_NONE;
         for (uint32_t c = first; c < end; c++) {
             uint32_t b = polygons->corners[c];
             const double *p = polygons->positions[a], *q = polygons->positions[b];
@@ -131,14 +131,27 @@ static enum gd_status check_edge_lengths(const struct gd_polygons *polygons, str
     return gd__offenders_report(&offenders, GD_ELEMENT_EDGE, GD_DEGENERATE_FACE, detail);
 }
 
-enum gd_status gd__validate(struct gd__construction *work, const struct gd_mesh_options *options)
+static enum gd_status check_tolerance(const struct gd_mesh_options *options, struct gd_detail *detail)
 {
-    const struct gd_polygons *polygons = work->polygons;
-    enum gd_status status = check_sizes(polygons, options && options->refuse_polygons, work->detail);
+    if (!options->weld || (isfinite(options->weld_tolerance) && options->weld_tolerance >= 0)) return GD_OK;
+    return gd_fail(detail, GD_INVALID_ARGUMENT, "the weld tolerance is %g; it must be a finite length of at least 0",
+                   options->weld_tolerance);
+}
+
+enum gd_status gd__validate(const struct gd__construction *work)
+{
+    const struct gd_polygons *polygons = work->input;
+    enum gd_status status = check_tolerance(&work->options, work->detail);
+    if (!status) status = check_sizes(polygons, work->options.refuse_polygons, work->detail);
     if (!status) status = check_counts(polygons, work->detail);
     if (!status) status = check_indices(polygons, work->detail);
     if (!status) status = check_coordinates(polygons, work->detail);
-    if (!status) status = check_repeated_corners(polygons, work->detail);
-    if (!status) status = check_edge_lengths(polygons, work->detail);
+    return status;
+}
+
+enum gd_status gd__validate_corners(struct gd__construction *work)
+{
+    enum gd_status status = check_repeated_corners(work->polygons, work->detail);
+    if (!status) status = check_edge_lengths(work->polygons, work->detail);
     return status;
 }

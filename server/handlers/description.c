@@ -1,15 +1,19 @@
 /* See description.h. */
 #include "server/handlers/description.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 #include "server/reply.h"
 
-void server_description_write(struct proto_writer *writer, struct server_surface *surface)
+static void write_surface(struct proto_writer *writer, const struct server_surface *surface)
 {
+    const struct server_record *record = surface->record;
     const struct proto_mesh_description description = {
-        .name = surface->origin.name,
-        .sha256 = surface->origin.sha256,
-        .created = surface->created,
-        .etag = surface->etag,
+        .name = record->name,
+        .sha256 = record->sha256,
+        .created = record->created,
+        .etag = record->etag,
         .fields_cached = server_shelf_count(surface->shelf),
         .memory_bytes = surface->bytes,
         .mesh = surface->mesh,
@@ -17,16 +21,39 @@ void server_description_write(struct proto_writer *writer, struct server_surface
     proto_mesh_encode(writer, &description);
 }
 
-void server_description_tag(struct server_exchange *exchange, const struct server_surface *surface)
+void server_description_write(struct proto_writer *writer, const struct server_listed *listed)
 {
-    server_reply_header(exchange, "ETag", "\"%s\"", surface->etag);
+    const char *remembered = listed->record->description;
+    if (listed->surface)
+        write_surface(writer, listed->surface);
+    else
+        proto_write_raw(writer, remembered, strlen(remembered));
 }
 
-void server_description_reply(struct server_exchange *exchange, unsigned status, struct server_surface *surface)
+bool server_description_remember(struct server_surface *surface)
+{
+    struct server_record *record = surface->record;
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    write_surface(&writer, surface);
+    proto_append(&writer, "", 1); /* the NUL */
+    record->description = proto_writer_take(&writer, &size);
+    record->memory = surface->bytes;
+    proto_writer_free(&writer);
+    return record->description != NULL;
+}
+
+void server_description_tag(struct server_exchange *exchange, const struct server_record *record)
+{
+    server_reply_header(exchange, "ETag", "\"%s\"", record->etag);
+}
+
+void server_description_reply(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
-    server_description_write(&writer, surface);
-    server_description_tag(exchange, surface);
+    server_description_write(&writer, listed);
+    server_description_tag(exchange, listed->record);
     server_reply_json(exchange, status, &writer);
 }

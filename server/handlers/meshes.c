@@ -2,6 +2,7 @@
 #include "server/handlers/handlers.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "gd/io.h"
 #include "proto/page.h"
@@ -12,32 +13,31 @@
 
 /* --- list --------------------------------------------------------------------------------------------------------- */
 
-static void write_page(struct proto_writer *writer, struct server_surface **surfaces, uint32_t count, uint32_t limit)
+static void write_page(struct proto_writer *writer, struct server_listed *listed, uint32_t count, uint32_t limit)
 {
-    uint32_t listed = count < limit ? count : limit;
+    uint32_t written = count < limit ? count : limit;
     proto_mesh_list_begin(writer);
-    for (uint32_t i = 0; i < listed; i++) server_description_write(writer, surfaces[i]);
-    proto_mesh_list_end(writer, count > limit ? surfaces[limit - 1]->origin.name : NULL);
+    for (uint32_t i = 0; i < written; i++) server_description_write(writer, &listed[i]);
+    proto_mesh_list_end(writer, count > limit ? listed[limit - 1].record->name : NULL);
 }
 
 void server_handle_list_meshes(struct server_exchange *exchange)
 {
-    struct server_store *store = exchange->server->store;
     struct proto_parameters parameters = server_exchange_parameters(exchange);
     struct proto_problem problem;
     struct proto_page page;
     struct proto_writer writer;
-    struct server_surface *surfaces[PROTO_PAGE_MOST + 1];
+    struct server_listed listed[PROTO_PAGE_MOST + 1];
     if (!server_reply_accepts_json(exchange)) return;
     if (!proto_page_parse(&parameters, &page, &problem)) {
         server_reply_problem(exchange, &problem);
         return;
     }
-    uint32_t count =
-        store->list(store, page.after, page.limit + 1, surfaces); /* one more tells whether there is a next page */
+    uint32_t count = server_registry_list(exchange->server->registry, page.after, page.limit + 1,
+                                          listed); /* one more tells whether there is a next page */
     proto_writer_init(&writer, SERVER_REPLY_MOST);
-    write_page(&writer, surfaces, count, page.limit);
-    for (uint32_t i = 0; i < count; i++) server_surface_release(surfaces[i]);
+    write_page(&writer, listed, count, page.limit);
+    for (uint32_t i = 0; i < count; i++) server_listed_release(&listed[i]);
     server_reply_json(exchange, 200, &writer);
 }
 
@@ -45,24 +45,33 @@ void server_handle_list_meshes(struct server_exchange *exchange)
 
 void server_handle_get_mesh(struct server_exchange *exchange)
 {
+    struct server_listed listed;
     if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
-    struct server_surface *surface = server_request_surface(exchange);
-    if (!surface) return;
-    server_description_reply(exchange, 200, surface);
-    server_surface_release(surface);
+    if (!server_request_record(exchange, &listed)) return;
+    server_description_reply(exchange, 200, &listed);
+    server_listed_release(&listed);
+}
+
+/* By a worker: it waits for the disk. */
+static bool remove_mesh(struct server_exchange *exchange)
+{
+    const struct server_precondition precondition = server_request_precondition(exchange);
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_request_name(exchange, name)) return true;
+    enum server_store_outcome outcome = server_registry_remove(exchange->server->registry, name, &precondition);
+    if (outcome == SERVER_STORE_DONE)
+        server_reply_empty(exchange, 204);
+    else
+        server_request_fail(exchange, outcome);
+    return true;
 }
 
 void server_handle_delete_mesh(struct server_exchange *exchange)
 {
-    struct server_store *store = exchange->server->store;
-    const struct server_precondition precondition = server_request_precondition(exchange);
-    char name[PROTO_MESH_NAME + 1];
-    if (!server_request_is_plain(exchange) || !server_request_name(exchange, name)) return;
-    enum server_store_outcome outcome = store->remove(store, name, &precondition);
-    if (outcome == SERVER_STORE_REMOVED)
-        server_reply_empty(exchange, 204);
-    else
-        server_request_fail(exchange, outcome);
+    struct server_listed listed;
+    if (!server_request_is_plain(exchange) || !server_request_record(exchange, &listed)) return;
+    server_listed_release(&listed);
+    server_exchange_defer(exchange, remove_mesh, NULL);
 }
 
 /* --- send back ---------------------------------------------------------------------------------------------------- */
@@ -117,11 +126,28 @@ static bool send_content(struct server_exchange *exchange)
     }
     server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
     exchange->held = size;
-    server_description_tag(exchange, content->surface);
+    server_description_tag(exchange, content->surface->record);
+    server_reply_header(exchange, "Vary", "Accept");
     server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
-                        content->surface->origin.name, gd_format_name(content->format));
+                        content->surface->record->name, gd_format_name(content->format));
     server_reply_bytes(exchange, 200, gd_format_media_type(content->format), bytes, size);
     return true;
+}
+
+/* Replies without the file when the client has it already, so that it need not be written, or even loaded. */
+static bool is_known(struct server_exchange *exchange)
+{
+    const char *known = server_exchange_header(exchange, "If-None-Match");
+    struct server_listed listed;
+    if (!known || !server_request_record(exchange, &listed)) return exchange->response.status != 0;
+    bool is_same = server_etag_listed(known, listed.record->etag, strlen(listed.record->etag), SERVER_ETAG_WEAK);
+    if (is_same) {
+        server_description_tag(exchange, listed.record);
+        server_reply_header(exchange, "Vary", "Accept");
+        server_reply_empty(exchange, 304);
+    }
+    server_listed_release(&listed);
+    return is_same;
 }
 
 void server_handle_get_mesh_content(struct server_exchange *exchange)
@@ -133,6 +159,7 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return;
     }
+    if (is_known(exchange)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct content *content = malloc(sizeof *content);

@@ -37,7 +37,7 @@ static void reply_nearest(struct server_exchange *exchange, const struct server_
     }
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     proto_nearest_encode(&writer, surface->mesh, &point, snap_distance, &options);
-    server_description_tag(exchange, surface);
+    server_description_tag(exchange, surface->record);
     server_reply_json(exchange, 200, &writer);
 }
 

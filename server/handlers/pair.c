@@ -77,7 +77,7 @@ static void reply_answer(struct server_exchange *exchange, const struct pair *pa
     struct proto_writer writer;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     proto_pair_encode(&writer, &pair->points, answer, &pair->options);
-    server_description_tag(exchange, pair->surface);
+    server_description_tag(exchange, pair->surface->record);
     server_reply_json(exchange, 200, &writer);
 }
 

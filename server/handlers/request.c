@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "server/loader.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -36,15 +37,98 @@ static void reply_absent(struct server_exchange *exchange)
                          "there is no mesh of this name; GET /v1/meshes lists those that there are");
 }
 
+bool server_request_record(struct server_exchange *exchange, struct server_listed *out)
+{
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_request_name(exchange, name)) return false;
+    if (server_registry_find(exchange->server->registry, name, out)) return true;
+    reply_absent(exchange);
+    return false;
+}
+
+/* --- a surface that is not in memory ------------------------------------------------------------------------------ */
+
+static void rerun(struct server_exchange *exchange, struct server_surface *surface)
+{
+    exchange->surface = surface;
+    exchange->match.route->handle(exchange);
+}
+
+/* Loads the record, and answers, unless the name is another mesh by now: then there is no reply, and the dispatcher has it
+ * looked up again, as who waited does. Only want of memory is the same for all. */
+static void load(struct server_exchange *exchange, struct server_record *record, struct server_load *load)
+{
+    struct server_surface *surface;
+    struct proto_problem problem;
+    enum server_loader_outcome outcome =
+        server_loader_load(exchange->server, record, exchange->job.deadline_ns, &surface, &problem);
+    if (outcome == SERVER_LOADER_NO_MEMORY)
+        server_loads_fail(load, SERVER_REFUSAL_MEMORY);
+    else
+        server_loads_end(load);
+    if (outcome == SERVER_LOADER_LOADED)
+        rerun(exchange, surface);
+    else if (outcome != SERVER_LOADER_GONE)
+        server_reply_problem(exchange, &problem);
+}
+
+static bool load_or_wait(struct server_exchange *exchange, struct server_record *record)
+{
+    struct server_load *started;
+    switch (server_loads_enter(exchange->server->loads, record, &exchange->job, &started)) {
+    case SERVER_LOADS_WAIT:
+        return false;
+    case SERVER_LOADS_LOAD:
+        load(exchange, record, started);
+        break;
+    case SERVER_LOADS_NO_MEMORY:
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        break;
+    }
+    return true;
+}
+
+/* False: parked, then this is called again. */
+static bool bring(struct server_exchange *exchange)
+{
+    struct server_listed listed;
+    bool is_done = true;
+    if (!server_request_record(exchange, &listed)) return true;
+    if (listed.surface)
+        rerun(exchange, server_surface_retain(listed.surface));
+    else
+        is_done = load_or_wait(exchange, listed.record);
+    server_listed_release(&listed);
+    return is_done;
+}
+
+static bool join(struct server_exchange *exchange)
+{
+    struct server_listed listed;
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_request_name(exchange, name) || !server_registry_find(exchange->server->registry, name, &listed))
+        return false;
+    bool joined = !listed.surface && server_loads_join(exchange->server->loads, listed.record, &exchange->job);
+    server_listed_release(&listed);
+    return joined;
+}
+
 struct server_surface *server_request_surface(struct server_exchange *exchange)
 {
-    struct server_store *store = exchange->server->store;
     char name[PROTO_MESH_NAME + 1];
+    struct server_listed listed;
+    if (exchange->surface) return server_surface_retain(exchange->surface);
     if (!server_request_name(exchange, name)) return NULL;
-    struct server_surface *surface = store->get(store, name);
-    if (!surface) reply_absent(exchange);
-    return surface;
+    if (!server_registry_use(exchange->server->registry, name, &listed)) {
+        reply_absent(exchange);
+        return NULL;
+    }
+    server_record_release(listed.record);
+    if (!listed.surface) server_exchange_defer(exchange, bring, join);
+    return listed.surface;
 }
+
+/* --- bodies and conditions ---------------------------------------------------------------------------------------- */
 
 static bool is_json(const char *content_type)
 {
@@ -83,9 +167,26 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
     case SERVER_STORE_NO_MEMORY:
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
         break;
+    case SERVER_STORE_FULL:
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+            "the server's disk is full; nothing was changed: delete meshes, or try again when there is "
+            "room");
+        break;
+    case SERVER_STORE_REFUSED:
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+                             "the server's system refuses to write; nothing was changed: tell its operator");
+        break;
+    case SERVER_STORE_READ_ONLY:
+    case SERVER_STORE_DAMAGED:
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
+            "the server's store takes no changes since a write failed; queries go on: tell its operator, "
+            "/readyz says more");
+        break;
+    case SERVER_STORE_DONE:
     case SERVER_STORE_CREATED:
     case SERVER_STORE_REPLACED:
-    case SERVER_STORE_REMOVED:
         break;
     }
 }

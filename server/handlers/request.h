@@ -4,7 +4,7 @@
 
 #include "proto/decode.h"
 #include "server/exchange.h"
-#include "server/store.h"
+#include "server/registry.h"
 
 /* The name in the path, NUL-terminated, of the form that names have; else false, with a problem replied. */
 bool server_request_name(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1]);
@@ -12,7 +12,11 @@ bool server_request_name(struct server_exchange *exchange, char name[PROTO_MESH_
 /* True when there are no query-string parameters, for operations that have none; else false, with a problem replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
 
-/* The surface that the path names, retained, or NULL with a problem replied. */
+/* What is known of the surface that the path names, retained; false: a problem is replied. */
+bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
+
+/* The surface that the path names, in memory, retained. NULL: the handler is to return at once; a problem is replied, or
+ * the exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
 /* The body as a JSON document, owned by the caller (json_decref), or NULL with unsupported_media_type or

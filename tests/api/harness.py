@@ -50,8 +50,9 @@ class Daemon:
     """A running daemon, and a context manager that stops it. `log` is what it has logged so far."""
 
     def __init__(self, *flags, listen="127.0.0.1:0"):
+        store = () if "--data-dir" in flags else ("--store", "memory")
         self.log = []
-        self.process = subprocess.Popen([PROGRAM, "--listen", listen, *flags], stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([PROGRAM, "--listen", listen, *store, *flags], stderr=subprocess.PIPE, text=True)
         self._listening = threading.Event()
         self._reader = threading.Thread(target=self._read_log, daemon=True)
         self._reader.start()

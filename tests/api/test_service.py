@@ -53,7 +53,7 @@ class Start(unittest.TestCase):
 
     def test_a_taken_port(self):
         with Daemon() as daemon:
-            result = run("--listen", daemon.address)
+            result = run("--listen", daemon.address, "--store", "memory")
             self.assertEqual(result.returncode, 1)
             self.assertIn("start_failed", result.stderr)
 

@@ -170,11 +170,11 @@ static void test_random_surfaces(void **state)
     print_message("# 6000 random surfaces: worst error %.2g\n", compare_all(6000, 1));
 }
 
-/* Squeezed along one axis by up to a million: needles and caps almost without area. */
+/* Squeezed along one axis by up to a hundred thousand: needles and caps almost without area. */
 static void test_slivers(void **state)
 {
     (void)state;
-    print_message("# 3000 random surfaces of slivers: worst error %.2g\n", compare_all(3000, 1e-6));
+    print_message("# 3000 random surfaces of slivers: worst error %.2g\n", compare_all(3000, 1e-5));
 }
 
 int main(void)

@@ -74,10 +74,46 @@ static enum gd_status make_obstacles(const double *v, struct gd_polygons *out)
     return GD_OK;
 }
 
+static struct remeshing remeshing_of(const double *v)
+{
+    return (struct remeshing){
+        .faces = whole(v[0]), .contrast = v[1], .noise = v[2], .passes = whole(v[3]), .roughness = v[4]};
+}
+
+static enum gd_status make_eight(const double *v, struct gd_polygons *out)
+{
+    struct remeshing remeshing = remeshing_of(v);
+    return sample_eight(&remeshing, (uint64_t)v[5], out);
+}
+
+static enum gd_status make_ball(const double *v, struct gd_polygons *out)
+{
+    struct remeshing remeshing = remeshing_of(v);
+    return sample_ball(&remeshing, (uint64_t)v[5], out);
+}
+
+static enum gd_status make_pot(const double *v, struct gd_polygons *out)
+{
+    struct remeshing remeshing = remeshing_of(v);
+    return sample_pot(&remeshing, (uint64_t)v[5], out);
+}
+
+static enum gd_status make_scan(const double *v, struct gd_polygons *out)
+{
+    struct remeshing remeshing = remeshing_of(v);
+    return sample_scan(&remeshing, (uint64_t)v[5], out);
+}
+
 /* The inside of a parameter's braces. */
 #define COUNT(name, value, least, most) name, value, least, most, true
 #define LENGTH(name, value)             name, value, 1e-100, 1e100, false
 #define SEED                            COUNT("seed", 1, 0, 1e15)
+#define REMESHED(faces)                                                                                                \
+    {COUNT("faces", faces, 200, 1e6)}, {"contrast", 0, 0, 2, false}, {"noise", 0, 0, 2, false},                        \
+        {COUNT("passes", 30, 0, 1000)}, {"roughness", 0, 0, 1, false},                                                 \
+    {                                                                                                                  \
+        SEED                                                                                                           \
+    }
 
 const struct sample samples[] = {
     {"grid",
@@ -125,6 +161,10 @@ const struct sample samples[] = {
      "high prisms on a rectangle, whose geodesics are shortest planar paths",
      {{COUNT("count", 20, 1, 200)}, {COUNT("level", 1, 0, 6)}, {SEED}},
      make_obstacles},
+    {"eight", "a slab with two holes, remeshed", {REMESHED(2022)}, make_eight},
+    {"ball", "a sphere, remeshed", {REMESHED(4074)}, make_ball},
+    {"pot", "a pot with a handle, remeshed", {REMESHED(11666)}, make_pot},
+    {"scan", "a ball with lumps and folds, remeshed", {REMESHED(10000)}, make_scan},
 };
 const uint32_t sample_count = sizeof samples / sizeof *samples;
 

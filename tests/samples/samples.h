@@ -13,11 +13,12 @@
 
 #include "gd/polygons.h"
 #include "gd/status.h"
+#include "tests/samples/remesh.h"
 
 /* --- the table
  * ------------------------------------------------------------------------------------------------------- */
 
-enum { SAMPLE_PARAMETERS = 5 };
+enum { SAMPLE_PARAMETERS = 7 };
 
 struct sample_parameter {
     const char *name; /* NULL: no more of them */
@@ -82,6 +83,13 @@ GD_MUST_USE enum gd_status sample_tetrahedron(double edge, uint32_t level, struc
  * random, with faces torn out, and its vertices moved far. Saddles, slivers, boundaries, unreferenced vertices and,
  * where vertices were moved to a coarse lattice, ties all occur. */
 GD_MUST_USE enum gd_status sample_tangle(uint32_t faces, uint64_t seed, struct gd_polygons *out);
+
+/* Models like those of the tables in Y.-J. Liu's paper (named below), section 5.2, remeshed in the cube [-1,1]^3: an eight (genus 2), a ball,
+ * a pot with its handle (genus 1), and a scan of something with lumps and folds. Also GD_INVALID_ARGUMENT, see sample_remesh. */
+GD_MUST_USE enum gd_status sample_eight(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out);
+GD_MUST_USE enum gd_status sample_ball(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out);
+GD_MUST_USE enum gd_status sample_pot(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out);
+GD_MUST_USE enum gd_status sample_scan(const struct remeshing *remeshing, uint64_t seed, struct gd_polygons *out);
 
 /* The benchmark of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data
  * structures", section 5.1: polygonal obstacles in a rectangle, lifted to prisms so high that no shortest path

@@ -31,6 +31,11 @@ static const struct expectation expectations[] = {
     {"terrain", {33, 0.2, 5}, 2178, 0, 1, GD_NONE, 1, 1},
     {"genus2", {1, 0}, 100, 2, 0, GD_NONE, 1, 1},
     {"genus2", {8, 0.02}, 6400, 2, 0, GD_NONE, 1, 1},
+    {"eight", {600, 0.6, 0, 0, 0, 1}, 600, 2, 0, GD_NONE, 1, 1},
+    {"ball", {2000, 0, 0, 30, 0, 1}, 2000, 0, 0, GD_NONE, 4 * M_PI, 1e-2},
+    {"ball", {1998, 0.7, 1, 4, 0, 7}, 1998, 0, 0, GD_NONE, 4 * M_PI, 2e-2},
+    {"pot", {3000, 1, 1, 2, 0.5, 1}, 3000, 1, 0, GD_NONE, 1, 1},
+    {"scan", {3000, 0, 0.4, 0, 1, 1}, 3000, 0, 0, GD_NONE, 1, 1},
     {"tetrahedron", {2, 0}, 4, 0, 0, 0, 6.9282032302755088, 1e-14},
     {"tetrahedron", {2, 3}, 256, 0, 0, 0, 6.9282032302755088, 1e-14},
 };
@@ -82,15 +87,52 @@ static double volume(const struct gd_polygons *mesh)
 static void test_faces_outwards(void **state)
 {
     (void)state;
-    static const char *const closed[] = {"box", "icosphere", "torus", "genus2", "tetrahedron"};
-    static const double values[][SAMPLE_PARAMETERS] = {{1, 2, 3, 4}, {5, 1}, {96, 96, 1, 0.4}, {4, 0}, {1, 1}};
-    static const double volumes[] = {6, 4 * M_PI / 3, 2 * M_PI * M_PI * 0.16, 0, M_SQRT2 / 12};
+    static const char *const closed[] = {"box",   "icosphere", "torus", "genus2", "tetrahedron",
+                                         "eight", "ball",      "pot",   "scan"};
+    static const double values[][SAMPLE_PARAMETERS] = {{1, 2, 3, 4}, {5, 1}, {96, 96, 1, 0.4}, {4, 0}, {1, 1},
+                                                       {600},        {2000}, {2000},           {2000}};
+    static const double volumes[] = {6, 4 * M_PI / 3, 2 * M_PI * M_PI * 0.16, 0, M_SQRT2 / 12, 0, 4 * M_PI / 3, 0, 0};
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++) {
         struct gd_polygons mesh = generate(closed[i], values[i]);
         assert_true(volume(&mesh) > 0);
         if (volumes[i] > 0) check_close(volume(&mesh), volumes[i], 1e-2);
         gd_polygons_free(&mesh);
     }
+}
+
+/* Standard deviation of the edges' length over their mean. */
+static double unevenness(const struct gd_polygons *polygons)
+{
+    double sum = 0, squares = 0, count = 3.0 * polygons->polygon_count;
+    for (uint32_t slot = 0; slot < 3 * polygons->polygon_count; slot++) {
+        const double *a = polygons->positions[polygons->corners[slot]],
+                     *b = polygons->positions[polygons->corners[slot % 3 == 2 ? slot - 2 : slot + 1]];
+        double square = (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]) + (b[2] - a[2]) * (b[2] - a[2]);
+        sum += sqrt(square);
+        squares += square;
+    }
+    return sqrt(squares / count - (sum / count) * (sum / count)) / (sum / count);
+}
+
+/* A remeshed surface has the number of faces that was asked for, fits its cube, and is as even as was asked for. */
+static void test_remeshing(void **state)
+{
+    (void)state;
+    static const double passes[] = {30, 0, 0, 0}, contrast[] = {0, 0, 0.5, 1};
+    double before = 0;
+    for (size_t i = 0; i < sizeof passes / sizeof *passes; i++) {
+        struct gd_polygons polygons = generate("pot", (double[]){1000, contrast[i], 0, passes[i], 0, 1});
+        double here = unevenness(&polygons), farthest = 0;
+        for (uint32_t v = 0; v < polygons.position_count; v++)
+            for (int k = 0; k < 3; k++) farthest = fmax(farthest, fabs(polygons.positions[v][k]));
+        assert_true(here > before * 1.1);
+        check_close(farthest, 1, 1e-14);
+        before = here;
+        gd_polygons_free(&polygons);
+    }
+    struct gd_polygons untouched;
+    struct remeshing odd = {.faces = 1001};
+    assert_int_equal(sample_ball(&odd, 1, &untouched), GD_INVALID_ARGUMENT);
 }
 
 static void test_defaults(void **state)
@@ -193,8 +235,9 @@ static void test_transforms(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_expectations), cmocka_unit_test(test_faces_outwards), cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_tangles),      cmocka_unit_test(test_obstacles),      cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_expectations), cmocka_unit_test(test_faces_outwards), cmocka_unit_test(test_remeshing),
+        cmocka_unit_test(test_defaults),     cmocka_unit_test(test_tangles),        cmocka_unit_test(test_obstacles),
+        cmocka_unit_test(test_transforms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,6 +15,21 @@ void sample_scale(struct gd_polygons *mesh, double x, double y, double z)
     }
 }
 
+void sample_fit(struct gd_polygons *mesh)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, side = 0;
+    for (uint32_t i = 0; i < mesh->position_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], mesh->positions[i][k]);
+            high[k] = fmax(high[k], mesh->positions[i][k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) side = fmax(side, high[k] - low[k]);
+    for (uint32_t i = 0; i < mesh->position_count; i++)
+        for (int k = 0; k < 3; k++)
+            mesh->positions[i][k] = (mesh->positions[i][k] - 0.5 * (low[k] + high[k])) * (2 / side);
+}
+
 static void rotate_plane(struct gd_polygons *mesh, int a, int b, double angle)
 {
     double c = cos(angle), s = sin(angle);

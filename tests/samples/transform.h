@@ -9,6 +9,9 @@
 /* Multiplies the coordinates of each axis. */
 void sample_scale(struct gd_polygons *mesh, double x, double y, double z);
 
+/* Moves and scales the mesh so that its bounding box is centred at the origin and its longest side is 2. */
+void sample_fit(struct gd_polygons *mesh);
+
 /* A random rotation about the origin and a random translation by up to `reach` along each axis. */
 void sample_move(struct gd_polygons *mesh, double reach, uint64_t seed);
 

@@ -32,7 +32,8 @@ struct gd_field_request {
 };
 
 /* Propagates wedges from the seeds and keeps the final ones. `control`, `executor` and `detail` may be NULL.
- * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+ * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE,
+ * GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was too coarse for this surface).
  * Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
                                           const struct gd_control *control, const struct gd_executor *executor,

@@ -75,6 +75,44 @@ static inline void expect_elements(const struct gd_detail *detail, enum gd_eleme
     if (!strstr(detail->text, words)) fail_msg("\"%s\" does not say \"%s\"", detail->text, words);
 }
 
+/* Builds with `options`, which must succeed, and checks what holds for every report. */
+static inline struct gd_mesh *build_with(const struct gd_polygons *polygons, struct gd_mesh_options options)
+{
+    struct gd_mesh *mesh = NULL;
+    struct gd_detail detail = {0};
+    enum gd_status status = gd_mesh_build(polygons, &options, NULL, &mesh, &detail);
+    if (status) fail_msg("%s: %s", gd_status_name(status), detail.text);
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
+    assert_int_equal(summary->index_count, polygons->position_count + repair->copies);
+    assert_int_equal(summary->faces + repair->duplicate_faces.count + repair->degenerate_faces.count,
+                     summary->face_index_count);
+    return mesh;
+}
+
+static inline struct gd_mesh *mend(const struct gd_polygons *polygons)
+{
+    return build_with(polygons, (struct gd_mesh_options){.repair_split = true});
+}
+
+/* What was done of one kind: as many, and these first. */
+static inline void expect_mended(const struct gd_mended *mended, uint32_t count, const uint32_t elements[][2])
+{
+    assert_int_equal(mended->count, count);
+    assert_int_equal(mended->listed, count < GD_MENDED_LISTED ? count : GD_MENDED_LISTED);
+    for (uint32_t i = 0; i < mended->listed; i++) {
+        assert_int_equal(mended->elements[i][0], elements[i][0]);
+        assert_int_equal(mended->elements[i][1], elements[i][1]);
+    }
+}
+
+#define MENDED(...)                                                                                                    \
+    (sizeof((uint32_t[][2]){__VA_ARGS__}) / 8), (const uint32_t[][2])                                                  \
+    {                                                                                                                  \
+        __VA_ARGS__                                                                                                    \
+    }
+#define UNTOUCHED 0, NULL
+
 static inline void expect_near(double actual, double expected, double tolerance)
 {
     if (!(fabs(actual - expected) <= tolerance)) fail_msg("%.17g instead of %.17g", actual, expected);

@@ -1,5 +1,7 @@
 #include "shapes.h"
 
+#include <stdlib.h>
+
 #include "tests/samples/samples.h"
 
 static void a_budget_below_the_cost_is_refused(void **state)
@@ -20,6 +22,40 @@ static void a_budget_below_the_cost_is_refused(void **state)
     assert_true(gd_mesh_memsize(mesh) > 200 * (size_t)polygons.polygon_count);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
+}
+
+/* `pairs` of triangles, each of which shares one vertex. */
+static struct gd_polygons new_bow_ties(uint32_t pairs)
+{
+    struct gd_polygons ties = {.positions = calloc(5 * pairs, sizeof *ties.positions),
+                               .corners = calloc(6 * pairs, sizeof *ties.corners),
+                               .position_count = 5 * pairs,
+                               .polygon_count = 2 * pairs};
+    for (uint32_t i = 0; i < pairs; i++) {
+        const double shape[5][3] = {{0, 0, i}, {1, 0, i}, {1, 1, i}, {-1, 0, i}, {-1, 1, i}};
+        const uint32_t corners[6] = {5 * i, 5 * i + 1, 5 * i + 2, 5 * i, 5 * i + 3, 5 * i + 4};
+        memcpy(ties.positions[5 * i], shape, sizeof shape);
+        memcpy(ties.corners + 6 * (size_t)i, corners, sizeof corners);
+    }
+    return ties;
+}
+
+static void a_budget_that_many_copies_exceed_is_refused(void **state)
+{
+    (void)state;
+    struct gd_polygons ties = new_bow_ties(5000);
+    size_t cost = gd_mesh_build_cost(ties.polygon_count, ties.position_count);
+    struct gd_control control = {.budget_bytes = cost};
+    struct gd_mesh_options options = {.repair_split = true};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&ties, &options, &control, &mesh, NULL), GD_BUDGET);
+    assert_null(mesh);
+    control.budget_bytes = gd_mesh_build_cost(ties.polygon_count, 6 * 5000);
+    assert_int_equal(gd_mesh_build(&ties, &options, &control, &mesh, NULL), GD_OK);
+    assert_int_equal(gd_mesh_repair(mesh)->copies, 5000);
+    assert_true(gd_mesh_memsize(mesh) < control.budget_bytes);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&ties);
 }
 
 struct stopwatch {
@@ -70,6 +106,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_budget_below_the_cost_is_refused),
+        cmocka_unit_test(a_budget_that_many_copies_exceed_is_refused),
         cmocka_unit_test(it_can_be_cancelled_at_every_report),
         cmocka_unit_test(a_deadline_in_the_past_stops_it),
     };

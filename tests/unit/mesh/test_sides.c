@@ -1,5 +1,7 @@
 #include "shapes.h"
 
+#include <stdlib.h>
+
 #include "mesh/topology.h"
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
@@ -116,20 +118,20 @@ static void faces_without_area_are_refused(void **state)
     struct gd_mesh *mesh = NULL;
     struct gd_detail detail = {0};
     for (int lift = 0; lift < 2; lift++) {
-        positions[2][1] = lift * 1e-8;
+        positions[2][1] = lift * 1e-7;
         assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, &detail), GD_DEGENERATE_FACE);
         assert_int_equal(detail.kind, GD_ELEMENT_FACE);
         assert_int_equal(detail.total, 1);
         assert_int_equal(detail.elements[0][0], 2);
         assert_null(mesh);
     }
-    positions[2][1] = 1e-7;
+    positions[2][1] = 1e-6;
     mesh = build(&polygons);
     assert_int_equal(mesh->summary.degenerate_faces, 1);
-    expect_near(mesh->summary.area, 1.5 + 3, 1e-6);
+    expect_near(mesh->summary.area, 1.5 + 3, 1e-5);
     for (int k = 0; k < 3; k++) {
         const struct gd_side *side = &mesh->side[mesh->face_side[mesh->face_of_index[2]][k]];
-        assert_true(side->left_y > 0 && side->left_y < 1e-6 && side->right_y < 0);
+        assert_true(side->left_y > 0 && side->left_y < 1e-5 && side->right_y < 0);
         assert_true(side->length > 0 && side->left_length > 0 && side->right_length > 0);
     }
     gd_mesh_release(mesh);
@@ -156,6 +158,31 @@ static void no_edge_between_strangers(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* Faces in any order around a vertex of all of them: no work of its own for each that is there already. */
+static void a_shuffled_fan_takes_a_moment(void **state)
+{
+    (void)state;
+    enum { FACES = 100000 };
+    double(*positions)[3] = calloc(FACES + 1, sizeof *positions);
+    uint32_t(*corners)[3] = calloc(FACES, sizeof *corners);
+    for (uint32_t i = 0; i < FACES; i++) {
+        double angle = 2 * M_PI * i / FACES;
+        memcpy(positions[i + 1], (double[3]){cos(angle), sin(angle), i % 2}, sizeof *positions);
+        uint32_t at = (uint32_t)(i * UINT64_C(61803) % FACES); /* coprime: a permutation */
+        memcpy(corners[at], (uint32_t[3]){0, i + 1, (i + 1) % FACES + 1}, sizeof *corners);
+    }
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = FACES + 1, .corners = *corners, .polygon_count = FACES};
+    uint64_t begun = gd_now_ns();
+    struct gd_mesh *mesh = build(&polygons);
+    double seconds = (double)(gd_now_ns() - begun) * 1e-9;
+    print_message("# a shuffled fan of %u faces: %.2f s\n", FACES, seconds);
+    assert_true(seconds < 10);
+    gd_mesh_release(mesh);
+    free(positions);
+    free(corners);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -163,6 +190,7 @@ int main(void)
         cmocka_unit_test(random_surfaces_have_a_sane_topology),
         cmocka_unit_test(faces_without_area_are_refused),
         cmocka_unit_test(no_edge_between_strangers),
+        cmocka_unit_test(a_shuffled_fan_takes_a_moment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

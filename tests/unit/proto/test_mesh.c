@@ -55,12 +55,35 @@ static void reads_upload_options(void **state)
     assert_true(proto_mesh_options_equal(&options, &other));
 }
 
+static void reads_weld_and_repair(void **state)
+{
+    (void)state;
+    struct proto_mesh_options plain, options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = NO_QUERY;
+    assert_true(proto_mesh_options_parse(&parameters, &plain, &problem));
+    assert_false(plain.build.weld || plain.build.repair_split);
+    parameters = QUERY("weld", "0");
+    assert_true(proto_mesh_options_parse(&parameters, &options, &problem));
+    assert_true(options.build.weld && options.build.weld_tolerance == 0 && !options.build.repair_split);
+    assert_false(proto_mesh_options_equal(&plain, &options));
+    struct proto_mesh_options wider = options;
+    parameters = QUERY("weld", "1e-3", "repair", "split");
+    assert_true(proto_mesh_options_parse(&parameters, &wider, &problem));
+    assert_true(wider.build.weld && wider.build.weld_tolerance == 1e-3 && wider.build.repair_split);
+    options.build.repair_split = true;
+    assert_false(proto_mesh_options_equal(&wider, &options));
+    options.build.weld_tolerance = 1e-3;
+    assert_true(proto_mesh_options_equal(&wider, &options));
+}
+
 static void refuses_bad_upload_options(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
-        {"format", "3ds"},    {"format", ""},      {"weld", "0.1"},    {"weld", "0"},
-        {"repair", "split"},  {"repair", "all"},   {"repair", ""},     {"triangulate", "yes"},
+        {"format", "3ds"},    {"format", ""},      {"weld", "-0.1"},   {"weld", ""},
+        {"weld", "1e999"},    {"weld", "nan"},     {"weld", "0.1mm"},  {"weld", " 1"},
+        {"repair", "Split"},  {"repair", "all"},   {"repair", ""},     {"triangulate", "yes"},
         {"triangulate", "1"}, {"triangulate", ""}, {"fields", "name"}, {"Format", "obj"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -137,6 +160,11 @@ static void refuses_what_can_not_be_sent(void **state)
 /* --- description
  * -------------------------------------------------------------------------------------------------------- */
 
+#define NOT_REPAIRED                                                                                                   \
+    "\"repair\":{\"edges_split\":0,\"vertices_split\":0,\"vertices_welded\":0,\"vertices_merged\":0,"                  \
+    "\"duplicate_faces\":0,\"degenerate_faces\":0,\"edges_flipped\":0,\"largest_shift\":0,\"vertices_copied\":0,"      \
+    "\"copies\":[],\"first\":{}}"
+
 #define DESCRIPTION                                                                                                    \
     "{\"name\":\"corner\",\"sha256\":\"ab12\",\"index_count\":5,\"vertices\":4,\"faces\":3,\"edges\":6,"               \
     "\"components\":1,"                                                                                                \
@@ -145,7 +173,7 @@ static void refuses_what_can_not_be_sent(void **state)
     "1,1]},"                                                                                                           \
     "\"edge_length\":{\"min\":1,\"mean\":1.2071067811865475,\"max\":1.4142135623730951},\"degenerate_faces\":0,"       \
     "\"saddle_vertices\":0,"                                                                                           \
-    "\"unreferenced_vertices\":1,\"repair\":{\"edges_split\":0,\"vertices_split\":0},\"memory_bytes\":4096,\"fields_"  \
+    "\"unreferenced_vertices\":1," NOT_REPAIRED ",\"memory_bytes\":4096,\"fields_"                                     \
     "cached\":2,"                                                                                                      \
     "\"created\":\"2026-11-21T12:34:56Z\",\"etag\":\"1f0c\"}"
 
@@ -190,16 +218,44 @@ static void describes_meshes(void **state)
     assert_written(&writer, "{\"meshes\":[],\"next\":null}");
 }
 
+/* Two triangles that meet in vertex 0 alone, one of them given twice, and one of which nothing is left. */
+static void describes_repairs(void **state)
+{
+    (void)state;
+    static double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, 1, 0}, {-1, 1, 0}};
+    static uint32_t corners[] = {0, 1, 2, 0, 3, 4, 3, 4, 5, 2, 1, 0};
+    const struct gd_polygons polygons = {
+        .positions = positions, .position_count = 6, .polygon_count = 4, .corners = corners};
+    const struct gd_mesh_options options = {.repair_split = true};
+    struct gd_mesh *mesh = NULL;
+    assert_int_equal(gd_mesh_build(&polygons, &options, NULL, &mesh, NULL), GD_OK);
+    struct proto_mesh_description description = {.name = "mended", .sha256 = "", .etag = "", .mesh = mesh};
+    struct proto_writer writer = new_writer();
+    proto_mesh_encode(&writer, &description);
+    size_t size = 0;
+    char *text = proto_writer_take(&writer, &size);
+    static const char expected[] =
+        "\"repair\":{\"edges_split\":0,\"vertices_split\":1,\"vertices_welded\":0,\"vertices_merged\":1,"
+        "\"duplicate_faces\":1,\"degenerate_faces\":1,\"edges_flipped\":0,\"largest_shift\":0,\"vertices_copied\":1,"
+        "\"copies\":[[6,0]],\"first\":{\"vertices_split\":[[0,1]],\"vertices_merged\":[[5,4]],"
+        "\"duplicate_faces\":[[3,0]],\"degenerate_faces\":[2]}}";
+    if (!memmem(text, size, expected, strlen(expected))) fail_msg("%.*s", (int)size, text);
+    free(text);
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(checks_names),
         cmocka_unit_test(reads_upload_options),
+        cmocka_unit_test(reads_weld_and_repair),
         cmocka_unit_test(refuses_bad_upload_options),
         cmocka_unit_test(finds_the_format_of_an_upload),
         cmocka_unit_test(chooses_the_format_to_send),
         cmocka_unit_test(refuses_what_can_not_be_sent),
         cmocka_unit_test(describes_meshes),
+        cmocka_unit_test(describes_repairs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

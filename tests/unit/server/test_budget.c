@@ -56,8 +56,7 @@ static void reclaims_what_is_missing(void **state)
     server_budget_init(&budget, 100);
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 90));
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
-    budget.reclaim = reclaim_fields;
-    budget.reclaim_user = &budget;
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
     assert_int_equal(budget.total, 70);
 }
@@ -67,8 +66,7 @@ static void does_not_evict_for_what_can_not_be_had(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 100);
-    budget.reclaim = reclaim_fields;
-    budget.reclaim_user = &budget;
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 50));
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 50));
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 51));

@@ -290,6 +290,12 @@ struct reader {
 };
 
 /* Asks for random sources, builds what is missing, takes memory away meanwhile. */
+static void reclaim(struct fixture *fixture, size_t bytes)
+{
+    const struct server_reclaimer *fields = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
+    fields->reclaim(fields->user, bytes);
+}
+
 static void *read_and_build(void *user)
 {
     struct reader *reader = user;
@@ -316,7 +322,7 @@ static void *read_and_build(void *user)
             break;
         }
         server_cache_unpin(cached);
-        if (step % 50 == 0) fixture->budget.reclaim(fixture->budget.reclaim_user, 1 << 16);
+        if (step % 50 == 0) reclaim(fixture, 1 << 16);
     }
     return NULL;
 }

@@ -8,7 +8,7 @@ struct fixture {
     struct server_budget budget;
     struct server_workers *workers;
     struct server_cache *cache;
-    struct server_store *store;
+    struct server_registry *registry;
 };
 
 static const struct server_precondition none;
@@ -19,7 +19,7 @@ static int set_up(void **state)
     server_budget_init(&fixture->budget, (size_t)1 << 30);
     fixture->workers = server_workers_create(1, 1);
     fixture->cache = server_cache_create(&fixture->budget, fixture->workers);
-    fixture->store = server_registry_create();
+    fixture->registry = server_registry_create(server_store_memory_create(), &fixture->budget);
     *state = fixture;
     return 0;
 }
@@ -27,7 +27,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     struct fixture *fixture = *state;
-    fixture->store->close(fixture->store);
+    server_registry_destroy(fixture->registry);
     server_cache_destroy(fixture->cache);
     server_workers_destroy(fixture->workers);
     assert_int_equal(fixture->budget.total, 0);
@@ -37,20 +37,38 @@ static int tear_down(void **state)
 
 static struct server_surface *new_surface(struct fixture *fixture, const char *name, const char *bytes)
 {
-    struct server_surface_origin origin = {0};
     struct gd_mesh *mesh = new_mesh();
-    snprintf(origin.name, sizeof origin.name, "%s", name);
-    server_sha256(bytes, strlen(bytes), origin.sha256);
+    char sha256[SERVER_SHA256_HEX];
+    server_sha256(bytes, strlen(bytes), sha256);
+    struct server_record *record =
+        server_record_create(name, sha256, strlen(bytes), &(struct proto_mesh_options){.format = GD_FORMAT_OBJ});
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
-    return server_surface_create(&origin, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
+    struct server_surface *surface =
+        server_surface_create(record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
+    record->description = strdup("{}");
+    server_record_release(record);
+    return surface;
+}
+
+/* The surface of that name, which is in memory, retained; or NULL. */
+static struct server_surface *get(struct fixture *fixture, const char *name)
+{
+    struct server_listed listed;
+    if (!server_registry_find(fixture->registry, name, &listed)) return NULL;
+    server_record_release(listed.record);
+    return listed.surface;
+}
+
+static uint32_t count(struct fixture *fixture)
+{
+    return (uint32_t)server_registry_statistics(fixture->registry).surfaces;
 }
 
 static enum server_store_outcome put_if(struct fixture *fixture, const char *name, const char *bytes,
                                         struct server_precondition precondition)
 {
     struct server_surface *surface = new_surface(fixture, name, bytes);
-    enum server_store_outcome outcome =
-        fixture->store->put(fixture->store, surface, bytes, strlen(bytes), &precondition);
+    enum server_store_outcome outcome = server_registry_put(fixture->registry, surface, bytes, &precondition);
     server_surface_release(surface);
     return outcome;
 }
@@ -63,28 +81,28 @@ static enum server_store_outcome put(struct fixture *fixture, const char *name, 
 static void keeps_by_name(void **state)
 {
     struct fixture *fixture = *state;
-    assert_null(fixture->store->get(fixture->store, "a"));
+    assert_null(get(fixture, "a"));
     assert_int_equal(put(fixture, "a", "1"), SERVER_STORE_CREATED);
     assert_int_equal(put(fixture, "b", "1"), SERVER_STORE_CREATED);
     assert_int_equal(put(fixture, "a", "2"), SERVER_STORE_REPLACED);
-    assert_int_equal(fixture->store->count(fixture->store), 2);
-    struct server_surface *a = fixture->store->get(fixture->store, "a"), *b = fixture->store->get(fixture->store, "b");
-    assert_string_equal(a->origin.name, "a");
-    assert_string_not_equal(a->etag, b->etag);
+    assert_int_equal(count(fixture), 2);
+    struct server_surface *a = get(fixture, "a"), *b = get(fixture, "b");
+    assert_string_equal(a->record->name, "a");
+    assert_string_not_equal(a->record->etag, b->record->etag);
     server_surface_release(a);
     server_surface_release(b);
-    assert_int_equal(fixture->store->remove(fixture->store, "a", &none), SERVER_STORE_REMOVED);
-    assert_int_equal(fixture->store->remove(fixture->store, "a", &none), SERVER_STORE_ABSENT);
-    assert_null(fixture->store->get(fixture->store, "a"));
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_ABSENT);
+    assert_null(get(fixture, "a"));
 }
 
 static void what_is_held_outlives_its_name(void **state)
 {
     struct fixture *fixture = *state;
     put(fixture, "a", "1");
-    struct server_surface *held = fixture->store->get(fixture->store, "a");
+    struct server_surface *held = get(fixture, "a");
     put(fixture, "a", "2");
-    fixture->store->remove(fixture->store, "a", &none);
+    server_registry_remove(fixture->registry, "a", &none);
     assert_int_equal(gd_mesh_summary(held->mesh)->faces, 320);
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_MESHES], held->bytes);
     server_surface_release(held);
@@ -96,21 +114,21 @@ static void lists_in_order(void **state)
     struct fixture *fixture = *state;
     static const char *const names[] = {"m", "b", "z", "B", "bb", "-"};
     static const char *const sorted[] = {"-", "B", "b", "bb", "m", "z"};
-    struct server_surface *listed[10];
+    struct server_listed listed[10];
     for (size_t i = 0; i < COUNT(names); i++) put(fixture, names[i], "1");
-    assert_int_equal(fixture->store->list(fixture->store, NULL, 10, listed), 6);
+    assert_int_equal(server_registry_list(fixture->registry, NULL, 10, listed), 6);
     for (size_t i = 0; i < 6; i++) {
-        assert_string_equal(listed[i]->origin.name, sorted[i]);
-        server_surface_release(listed[i]);
+        assert_string_equal(listed[i].record->name, sorted[i]);
+        server_listed_release(&listed[i]);
     }
-    assert_int_equal(fixture->store->list(fixture->store, "b", 2, listed), 2);
-    assert_string_equal(listed[0]->origin.name, "bb");
-    server_surface_release(listed[0]);
-    server_surface_release(listed[1]);
-    assert_int_equal(fixture->store->list(fixture->store, "c", 1, listed), 1); /* a name that is not there */
-    assert_string_equal(listed[0]->origin.name, "m");
-    server_surface_release(listed[0]);
-    assert_int_equal(fixture->store->list(fixture->store, "z", 10, listed), 0);
+    assert_int_equal(server_registry_list(fixture->registry, "b", 2, listed), 2);
+    assert_string_equal(listed[0].record->name, "bb");
+    server_listed_release(&listed[0]);
+    server_listed_release(&listed[1]);
+    assert_int_equal(server_registry_list(fixture->registry, "c", 1, listed), 1); /* a name that is not there */
+    assert_string_equal(listed[0].record->name, "m");
+    server_listed_release(&listed[0]);
+    assert_int_equal(server_registry_list(fixture->registry, "z", 10, listed), 0);
 }
 
 static void preconditions_decide(void **state)
@@ -123,22 +141,22 @@ static void preconditions_decide(void **state)
                      SERVER_STORE_CREATED);
     assert_int_equal(put_if(fixture, "a", "2", (struct server_precondition){.if_none_match = "*"}),
                      SERVER_STORE_PRECONDITION);
-    struct server_surface *a = fixture->store->get(fixture->store, "a");
-    snprintf(right, sizeof right, "\"%s\"", a->etag);
+    struct server_surface *a = get(fixture, "a");
+    snprintf(right, sizeof right, "\"%s\"", a->record->etag);
     server_surface_release(a);
     const struct server_precondition wrong_tag = {.if_match = "\"x\""}, right_tag = {.if_match = right};
-    assert_int_equal(fixture->store->remove(fixture->store, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(put_if(fixture, "a", "2", right_tag), SERVER_STORE_REPLACED);
-    assert_int_equal(fixture->store->remove(fixture->store, "a", &right_tag),
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &right_tag),
                      SERVER_STORE_PRECONDITION); /* it is another one now */
-    assert_int_equal(fixture->store->count(fixture->store), 1);
+    assert_int_equal(count(fixture), 1);
 }
 
 static void replacing_ends_the_fields(void **state)
 {
     struct fixture *fixture = *state;
     put(fixture, "a", "1");
-    struct server_surface *a = fixture->store->get(fixture->store, "a");
+    struct server_surface *a = get(fixture, "a");
     struct gd_point source = vertex_point(a->mesh, 0);
     struct server_flight *flight;
     struct test_job job;
@@ -155,18 +173,127 @@ static void replacing_ends_the_fields(void **state)
     server_surface_release(a);
 }
 
+/* --- with a store that can give back what it was given ------------------------------------------------------------ */
+
+static enum server_store_outcome answer; /* of the next writes */
+
+static enum server_store_outcome answer_put(struct server_store *store, const struct server_record *record,
+                                            const void *bytes)
+{
+    (void)store, (void)record, (void)bytes;
+    return answer;
+}
+
+static enum server_store_outcome answer_remove(struct server_store *store, const struct server_record *record)
+{
+    (void)store, (void)record;
+    return answer;
+}
+
+static enum server_store_outcome give_back(struct server_store *store, const struct server_record *record, void **bytes)
+{
+    (void)store, (void)record, (void)bytes;
+    return SERVER_STORE_ABSENT; /* nobody asks: that it could is enough */
+}
+
+static int set_up_stored(void **state)
+{
+    set_up(state);
+    struct fixture *fixture = *state;
+    struct server_store *store = server_store_memory_create();
+    server_registry_destroy(fixture->registry);
+    store->put = store->keep = answer_put;
+    store->remove = answer_remove;
+    store->fetch = give_back;
+    answer = SERVER_STORE_DONE;
+    fixture->registry = server_registry_create(store, &fixture->budget);
+    return 0;
+}
+
+static bool is_loaded(struct fixture *fixture, const char *name)
+{
+    struct server_surface *surface = get(fixture, name);
+    server_surface_release(surface);
+    return surface != NULL;
+}
+
+static void what_the_store_refuses_changes_nothing(void **state)
+{
+    static const enum server_store_outcome refusals[] = {SERVER_STORE_FULL, SERVER_STORE_READ_ONLY,
+                                                         SERVER_STORE_REFUSED, SERVER_STORE_NO_MEMORY};
+    struct fixture *fixture = *state;
+    put(fixture, "a", "1");
+    struct server_surface *before = get(fixture, "a");
+    for (size_t i = 0; i < COUNT(refusals); i++) {
+        answer = refusals[i];
+        assert_int_equal(put(fixture, "a", "2"), refusals[i]);
+        assert_int_equal(put(fixture, "b", "2"), refusals[i]);
+        assert_int_equal(server_registry_remove(fixture->registry, "a", &none), refusals[i]);
+    }
+    struct server_surface *after = get(fixture, "a");
+    assert_ptr_equal(before, after);
+    assert_int_equal(count(fixture), 1);
+    server_surface_release(before);
+    server_surface_release(after);
+}
+
+static void unused_ones_make_room_the_coldest_first(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_listed used;
+    put(fixture, "a", "1");
+    put(fixture, "b", "1");
+    put(fixture, "c", "1");
+    assert_true(server_registry_use(fixture->registry, "a", &used));
+    server_listed_release(&used);
+    struct server_surface *held = get(fixture, "b");
+    size_t bytes = held->bytes;
+    fixture->budget.limit = fixture->budget.total;
+    assert_int_equal(server_budget_available(&fixture->budget), 2 * bytes); /* all but the one that is in use */
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    assert_true(is_loaded(fixture, "a"));
+    assert_false(is_loaded(fixture, "c"));
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    assert_false(is_loaded(fixture, "a"));
+    assert_false(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
+    assert_true(is_loaded(fixture, "b"));
+    assert_int_equal(count(fixture), 3);
+    server_surface_release(held);
+    server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 2 * bytes);
+}
+
+static void the_same_record_again_is_kept_in_memory(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_listed listed;
+    struct gd_mesh *mesh = new_mesh();
+    put(fixture, "a", "1");
+    fixture->budget.limit = fixture->budget.total;
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
+    assert_true(server_registry_find(fixture->registry, "a", &listed));
+    assert_null(listed.surface);
+    struct server_surface *again =
+        server_surface_create(listed.record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
+    assert_int_equal(server_registry_put(fixture->registry, again, "1", &none), SERVER_STORE_REPLACED);
+    assert_true(is_loaded(fixture, "a"));
+    assert_int_equal(server_registry_statistics(fixture->registry).loads, 1);
+    server_surface_release(again);
+    server_listed_release(&listed);
+}
+
 static void *put_and_remove(void *user)
 {
     struct fixture *fixture = user;
     for (int step = 0; step < 60; step++) {
         char name[2] = {(char)('a' + step % 3), '\0'};
-        struct server_surface *listed[3], *got = fixture->store->get(fixture->store, name);
-        uint32_t count = fixture->store->list(fixture->store, NULL, 3, listed);
+        struct server_listed listed[3];
+        struct server_surface *got = get(fixture, name);
+        uint32_t found = server_registry_list(fixture->registry, NULL, 3, listed);
         if (step % 2)
             put(fixture, name, "1");
         else
-            fixture->store->remove(fixture->store, name, &none);
-        for (uint32_t i = 0; i < count; i++) server_surface_release(listed[i]);
+            server_registry_remove(fixture->registry, name, &none);
+        for (uint32_t i = 0; i < found; i++) server_listed_release(&listed[i]);
         server_surface_release(got);
     }
     return NULL;
@@ -181,11 +308,20 @@ static void many_threads_at_once(void **state)
 
 int main(void)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name)   cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define STORED(name) cmocka_unit_test_setup_teardown(name, set_up_stored, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(keeps_by_name),        TEST(what_is_held_outlives_its_name), TEST(lists_in_order),
-        TEST(preconditions_decide), TEST(replacing_ends_the_fields),      TEST(many_threads_at_once),
+        TEST(keeps_by_name),
+        TEST(what_is_held_outlives_its_name),
+        TEST(lists_in_order),
+        TEST(preconditions_decide),
+        TEST(replacing_ends_the_fields),
+        TEST(many_threads_at_once),
+        STORED(what_the_store_refuses_changes_nothing),
+        STORED(unused_ones_make_room_the_coldest_first),
+        STORED(the_same_record_again_is_kept_in_memory),
     };
+#undef STORED
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

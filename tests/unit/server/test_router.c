@@ -36,7 +36,8 @@ static int set_up(void **state)
     server_budget_init(&server.budget, 64 << 20);
     server.workers = server_workers_create(1, 10);
     server.cache = server_cache_create(&server.budget, server.workers);
-    server.store = server_registry_create();
+    server.loads = server_loads_create(server.workers);
+    server.registry = server_registry_create(server_store_memory_create(), &server.budget);
     server.metrics = server_metrics_create(proto_routes, proto_route_count);
     server.timekeeper = server_timekeeper_create(&server);
     sem_init(&finished, 0, 0);
@@ -48,7 +49,8 @@ static int tear_down(void **state)
     (void)state;
     server_timekeeper_destroy(server.timekeeper);
     server_workers_cancel(server.workers);
-    server.store->close(server.store);
+    server_registry_destroy(server.registry);
+    server_loads_destroy(server.loads);
     server_cache_destroy(server.cache);
     server_workers_destroy(server.workers);
     server_metrics_destroy(server.metrics);

@@ -1,0 +1,73 @@
+/* Buckets by the lower vertex, each sorted by the higher one. */
+#include "mesh/edge_table.h"
+
+#include <stdlib.h>
+
+static void ends_of_side(const uint32_t (*corner)[3], uint32_t side, uint32_t *low, uint32_t *high)
+{
+    uint32_t a = corner[side / 3][side % 3], b = corner[side / 3][side % 3 == 2 ? 0 : side % 3 + 1];
+    *low = a < b ? a : b;
+    *high = a < b ? b : a;
+}
+
+static int compare_uses(const void *x, const void *y)
+{
+    const struct gd__edge_use *a = x, *b = y;
+    if (a->high != b->high) return a->high < b->high ? -1 : 1;
+    return a->side < b->side ? -1 : a->side > b->side;
+}
+
+#define SHORT_BUCKET 32
+
+static void sort_bucket(struct gd__edge_use *use, uint32_t count)
+{
+    if (count > SHORT_BUCKET) {
+        qsort(use, count, sizeof *use, compare_uses);
+        return;
+    }
+    for (uint32_t i = 1; i < count; i++) {
+        struct gd__edge_use moved = use[i];
+        uint32_t j = i;
+        for (; j > 0 && compare_uses(&moved, &use[j - 1]) < 0; j--) use[j] = use[j - 1];
+        use[j] = moved;
+    }
+}
+
+static void fill(const uint32_t (*corner)[3], uint32_t side_count, struct gd__edge_table *table)
+{
+    uint32_t vertex_count = table->vertex_count, low, high;
+    for (uint32_t s = 0; s < side_count; s++) {
+        ends_of_side(corner, s, &low, &high);
+        table->first[low + 1]++;
+    }
+    for (uint32_t v = 0; v < vertex_count; v++) table->first[v + 1] += table->first[v];
+    for (uint32_t s = 0; s < side_count; s++) {
+        ends_of_side(corner, s, &low, &high);
+        table->use[table->first[low]++] = (struct gd__edge_use){high, s};
+    }
+    for (uint32_t v = vertex_count; v > 0; v--) table->first[v] = table->first[v - 1];
+    table->first[0] = 0;
+    for (uint32_t v = 0; v < vertex_count; v++)
+        sort_bucket(table->use + table->first[v], table->first[v + 1] - table->first[v]);
+}
+
+enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count, uint32_t vertex_count,
+                                     struct gd__edge_table *out)
+{
+    struct gd__edge_table table = {vertex_count, calloc((size_t)vertex_count + 1, sizeof *table.first),
+                                   malloc((3 * (size_t)face_count + 1) * sizeof *table.use)};
+    if (!table.first || !table.use) {
+        gd__edge_table_free(&table);
+        return GD_NO_MEMORY;
+    }
+    fill(corner, 3 * face_count, &table);
+    *out = table;
+    return GD_OK;
+}
+
+void gd__edge_table_free(struct gd__edge_table *table)
+{
+    free(table->first);
+    free(table->use);
+    *table = (struct gd__edge_table){0};
+}

@@ -1,0 +1,46 @@
+/* Edge table: the faces' sides, gathered by edge. */
+#ifndef GD_MESH_EDGE_TABLE_H
+#define GD_MESH_EDGE_TABLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "gd/status.h"
+
+/* A side of a face as its edge sees it. */
+struct gd__edge_use {
+    uint32_t high; /* the edge's higher vertex */
+    uint32_t side; /* 3 face + k, from corner k to k + 1 */
+};
+
+struct gd__edge_table {
+    uint32_t vertex_count;
+    uint32_t *first;          /* in `use`, per lower vertex, vertex_count + 1 */
+    struct gd__edge_use *use; /* 3 face_count: of each lower vertex by higher vertex, then by side */
+};
+
+/* Gathers the sides of `face_count` triangles over `vertex_count` vertices. Linear time but for the sorting within a
+ * bucket, whatever the input. GD_NO_MEMORY. Free by gd__edge_table_free, which takes a zeroed one as well. */
+enum gd_status gd__edge_table_create(const uint32_t (*corner)[3], uint32_t face_count, uint32_t vertex_count,
+                                     struct gd__edge_table *out);
+void gd__edge_table_free(struct gd__edge_table *table);
+
+/* The uses of one edge. All zero: before the first edge. */
+struct gd__edge_run {
+    uint32_t low, high;    /* the edge */
+    uint32_t begin, count; /* in table->use */
+};
+
+/* Moves on to the next edge, in order of (low, high); false: there is none. */
+static inline bool gd__edge_table_next(const struct gd__edge_table *table, struct gd__edge_run *run)
+{
+    uint32_t begin = run->begin + run->count, low = run->low;
+    while (low < table->vertex_count && begin == table->first[low + 1]) low++;
+    if (low == table->vertex_count) return false;
+    uint32_t high = table->use[begin].high, end = begin + 1;
+    while (end < table->first[low + 1] && table->use[end].high == high) end++;
+    *run = (struct gd__edge_run){low, high, begin, end - begin};
+    return true;
+}
+
+#endif

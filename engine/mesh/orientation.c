@@ -1,0 +1,70 @@
+#include "mesh/orientation.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/polygons.h"
+
+struct search {
+    struct gd__orientation *o;
+    uint32_t *queue; /* all faces, component by component */
+    uint32_t end;
+};
+
+static bool run_alike(const struct gd__orientation *o, uint32_t side, uint32_t other)
+{
+    return o->corner[side / 3][side % 3] == o->corner[other / 3][other % 3];
+}
+
+static void visit_neighbours(struct search *search, uint32_t face, bool *contradicted)
+{
+    struct gd__orientation *o = search->o;
+    for (uint32_t side = 3 * face; side < 3 * face + 3; side++) {
+        uint32_t other = o->neighbour[side];
+        if (other == GD_NONE) continue;
+        uint8_t wanted = o->flipped[face] ^ (uint8_t)run_alike(o, side, other);
+        if (o->component[other / 3] == GD_NONE) {
+            o->component[other / 3] = o->component[face];
+            o->flipped[other / 3] = wanted;
+            search->queue[search->end++] = other / 3;
+        } else if (o->flipped[other / 3] != wanted && !*contradicted) {
+            if (o->contradicted) o->contradicted(o->user, side);
+            *contradicted = true;
+        }
+    }
+}
+
+/* Lets the majority of queue[begin, end) keep its orientation; returns how many are turned over. */
+static uint32_t side_with_majority(uint8_t *flipped, const uint32_t *queue, uint32_t begin, uint32_t end)
+{
+    uint32_t turned = 0, count = end - begin;
+    for (uint32_t i = begin; i < end; i++) turned += flipped[queue[i]];
+    if (2 * (uint64_t)turned <= count) return turned;
+    for (uint32_t i = begin; i < end; i++) flipped[queue[i]] ^= 1;
+    return count - turned;
+}
+
+static void orient_component(struct search *search, uint32_t seed)
+{
+    struct gd__orientation *o = search->o;
+    uint32_t begin = search->end;
+    bool contradicted = false;
+    o->component[seed] = o->component_count++;
+    search->queue[search->end++] = seed;
+    for (uint32_t i = begin; i < search->end; i++) visit_neighbours(search, search->queue[i], &contradicted);
+    o->flipped_count += side_with_majority(o->flipped, search->queue, begin, search->end);
+}
+
+enum gd_status gd__orient_faces(struct gd__orientation *orientation)
+{
+    struct search search = {orientation, malloc(orientation->face_count * sizeof *search.queue), 0};
+    if (!search.queue) return GD_NO_MEMORY;
+    memset(orientation->component, 0xff, orientation->face_count * sizeof *orientation->component);
+    orientation->component_count = orientation->flipped_count = 0;
+    for (uint32_t i = 0; i < orientation->seed_count; i++) {
+        uint32_t seed = orientation->seeds ? orientation->seeds[i] : i;
+        if (seed != GD_NONE && orientation->component[seed] == GD_NONE) orient_component(&search, seed);
+    }
+    free(search.queue);
+    return GD_OK;
+}

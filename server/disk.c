@@ -1,0 +1,160 @@
+/* See disk.h. */
+#include "server/disk.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FOLDER_MODE 0700
+#define FILE_MODE   0600
+#define WRITE_MOST  ((size_t)1 << 30)
+
+/* What an errno means of an operation that changed nothing. */
+static enum server_disk_result refusal(void)
+{
+    switch (errno) {
+    case ENOENT:
+        return SERVER_DISK_ABSENT;
+    case ENOSPC:
+    case EDQUOT:
+        return SERVER_DISK_FULL;
+    case ENOMEM:
+        return SERVER_DISK_NO_MEMORY;
+    default:
+        return SERVER_DISK_REFUSED;
+    }
+}
+
+/* Closes without forgetting what went wrong before. */
+static void close_quietly(int file)
+{
+    int kept = errno;
+    close(file);
+    errno = kept;
+}
+
+static void unlink_quietly(const char *path)
+{
+    int kept = errno;
+    unlink(path);
+    errno = kept;
+}
+
+enum server_disk_result server_disk_sync_folder(const char *folder)
+{
+    int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return refusal() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
+    int failed = fsync(file);
+    close_quietly(file);
+    return failed ? SERVER_DISK_LOST : SERVER_DISK_DONE;
+}
+
+enum server_disk_result server_disk_make_folder(const char *path)
+{
+    char parent[SERVER_DISK_PATH];
+    if (mkdir(path, FOLDER_MODE) != 0) return errno == EEXIST ? SERVER_DISK_DONE : refusal();
+    snprintf(parent, sizeof parent, "%s", path);
+    return server_disk_sync_folder(dirname(parent));
+}
+
+/* --- writing ------------------------------------------------------------------------------------------------------ */
+
+static enum server_disk_result write_all(int file, const char *bytes, size_t size)
+{
+    while (size) {
+        ssize_t written = write(file, bytes, size < WRITE_MOST ? size : WRITE_MOST);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return refusal() == SERVER_DISK_FULL ? SERVER_DISK_FULL : SERVER_DISK_LOST;
+        bytes += written;
+        size -= (size_t)written;
+    }
+    return fsync(file) ? SERVER_DISK_LOST : SERVER_DISK_DONE;
+}
+
+static enum server_disk_result write_new(const char *path, const void *bytes, size_t size)
+{
+    int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, FILE_MODE);
+    if (file < 0) return refusal();
+    enum server_disk_result result = write_all(file, bytes, size);
+    close_quietly(file);
+    if (result) unlink_quietly(path);
+    return result;
+}
+
+enum server_disk_result server_disk_write(const char *folder, const char *path, const char *temporary,
+                                          const void *bytes, size_t size)
+{
+    enum server_disk_result result = write_new(temporary, bytes, size);
+    if (result) return result;
+    if (rename(temporary, path) != 0) {
+        unlink_quietly(temporary);
+        return refusal();
+    }
+    return server_disk_sync_folder(folder);
+}
+
+/* --- reading ------------------------------------------------------------------------------------------------------ */
+
+static enum server_disk_result read_all(int file, char *bytes, size_t size)
+{
+    for (size_t at = 0; at < size;) {
+        ssize_t got = read(file, bytes + at, size - at);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) return SERVER_DISK_REFUSED;
+        at += (size_t)got;
+    }
+    bytes[size] = '\0';
+    return SERVER_DISK_DONE;
+}
+
+static enum server_disk_result read_file(int file, void **bytes, size_t *size)
+{
+    struct stat facts;
+    if (fstat(file, &facts) != 0) return refusal();
+    if (!S_ISREG(facts.st_mode)) return SERVER_DISK_REFUSED;
+    char *buffer = malloc((size_t)facts.st_size + 1);
+    if (!buffer) return SERVER_DISK_NO_MEMORY;
+    enum server_disk_result result = read_all(file, buffer, (size_t)facts.st_size);
+    if (result) {
+        free(buffer);
+        return result;
+    }
+    *bytes = buffer;
+    *size = (size_t)facts.st_size;
+    return SERVER_DISK_DONE;
+}
+
+enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) return refusal();
+    enum server_disk_result result = read_file(file, bytes, size);
+    close_quietly(file);
+    return result;
+}
+
+/* --- names -------------------------------------------------------------------------------------------------------- */
+
+enum server_disk_result server_disk_remove(const char *folder, const char *path)
+{
+    if (unlink(path) != 0) return refusal();
+    return folder ? server_disk_sync_folder(folder) : SERVER_DISK_DONE;
+}
+
+enum server_disk_result server_disk_link(const char *path, const char *second)
+{
+    if (link(path, second) == 0) return SERVER_DISK_DONE;
+    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP) return refusal();
+    void *bytes;
+    size_t size;
+    enum server_disk_result result = server_disk_read(path, &bytes, &size);
+    if (result) return result;
+    result = write_new(second, bytes, size);
+    free(bytes);
+    return result;
+}

@@ -1,0 +1,43 @@
+/* Disk: files that are wholly there, and stay there, or are not there at all.
+ *
+ * Written under a temporary name, fsync'ed, renamed; the folder is fsync'ed so that the name stays too. After a failed
+ * fsync the kernel may have dropped the data and call the next one a success: so LOST is never tried again, by anyone. */
+#ifndef SERVER_DISK_H
+#define SERVER_DISK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum server_disk_result {
+    SERVER_DISK_DONE,
+    SERVER_DISK_ABSENT,    /* no such file */
+    SERVER_DISK_FULL,      /* no room (or quota); nothing changed */
+    SERVER_DISK_REFUSED,   /* the system refuses it (rights, descriptors); nothing changed. errno tells */
+    SERVER_DISK_LOST,      /* an fsync or a write failed: what is on the disk is not known. errno tells */
+    SERVER_DISK_NO_MEMORY, /* nothing changed */
+};
+
+#define SERVER_DISK_PATH 4096
+
+/* Creates the folder if it is not there, and makes its name durable. */
+enum server_disk_result server_disk_make_folder(const char *path);
+
+/* Writes a file, whole and durable but for its name, as `temporary`, and gives it the name `path` in place of what was
+ * there. `folder`: of `path`, is made durable. All three are in one file system. */
+enum server_disk_result server_disk_write(const char *folder, const char *path, const char *temporary,
+                                          const void *bytes, size_t size);
+
+/* The file's bytes and one NUL more, malloc'ed. */
+enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size);
+
+/* Removes a name; the folder (NULL: it doesn't matter) is made durable. */
+enum server_disk_result server_disk_remove(const char *folder, const char *path);
+
+/* Makes the names in a folder durable. */
+enum server_disk_result server_disk_sync_folder(const char *folder);
+
+/* Gives a file a second name: a link, or a durable copy where links can't be made. The folder of the new name is for the
+ * caller to make durable. */
+enum server_disk_result server_disk_link(const char *path, const char *second);
+
+#endif

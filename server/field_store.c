@@ -1,0 +1,344 @@
+/* See field_store.h. */
+#include "server/field_store.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "server/disk.h"
+#include "server/log.h"
+#include "server/version.h"
+
+#define SUFFIX    ".field"
+#define TEMPORARY "new"
+#define PAGE      64 /* surfaces listed at once */
+
+struct server_field_store {
+    char folder[SERVER_DISK_PATH / 2];
+    struct server_budget *budget;
+};
+
+struct server_field_store *server_field_store_open(const char *folder, struct server_budget *budget)
+{
+    struct server_field_store *store = calloc(1, sizeof *store);
+    if (!store) return NULL;
+    store->budget = budget;
+    int size = snprintf(store->folder, sizeof store->folder, "%s/fields", folder);
+    if (size < (int)sizeof store->folder && server_disk_make_folder(store->folder) == SERVER_DISK_DONE) return store;
+    free(store);
+    return NULL;
+}
+
+void server_field_store_close(struct server_field_store *store)
+{
+    free(store);
+}
+
+/* --- names -------------------------------------------------------------------------------------------------------- */
+
+static void folder_path(const struct server_field_store *store, char path[SERVER_DISK_PATH], const char *etag)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/" SERVER_VERSION "-%s", store->folder, etag);
+}
+
+static bool file_path(char path[SERVER_DISK_PATH], const char *folder, const char *file)
+{
+    return snprintf(path, SERVER_DISK_PATH, "%s/%s", folder, file) < SERVER_DISK_PATH;
+}
+
+static void discard(const char *path, const char *why)
+{
+    unlink(path);
+    server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored field '%s' was deleted: %s", path, why);
+}
+
+/* Calls `visit` with the path of each file in a folder and the file's own name. */
+static void each_file(const char *folder, void (*visit)(void *user, const char *path, const char *file), void *user)
+{
+    char path[SERVER_DISK_PATH];
+    DIR *directory = opendir(folder);
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));)
+        if (entry->d_name[0] != '.' && file_path(path, folder, entry->d_name)) visit(user, path, entry->d_name);
+    closedir(directory);
+}
+
+/* --- restoring ---------------------------------------------------------------------------------------------------- */
+
+struct mapping {
+    void *bytes;
+    size_t size;
+};
+
+static void unmap(void *user)
+{
+    struct mapping *mapping = user;
+    munmap(mapping->bytes, mapping->size);
+    free(mapping);
+}
+
+static struct mapping *map_file(const char *path)
+{
+    struct stat facts;
+    struct mapping *mapping = malloc(sizeof *mapping);
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    void *bytes = MAP_FAILED;
+    if (mapping && file >= 0 && fstat(file, &facts) == 0 && facts.st_size > 0)
+        bytes = mmap(NULL, (size_t)facts.st_size, PROT_READ, MAP_PRIVATE, file, 0);
+    if (file >= 0) close(file);
+    if (bytes == MAP_FAILED) {
+        free(mapping);
+        return NULL;
+    }
+    *mapping = (struct mapping){bytes, (size_t)facts.st_size};
+    return mapping;
+}
+
+static bool is_whole(const struct mapping *mapping, const char *file)
+{
+    char name[SERVER_SHA256_HEX + sizeof SUFFIX], sha256[SERVER_SHA256_HEX];
+    server_sha256(mapping->bytes, mapping->size, sha256);
+    snprintf(name, sizeof name, "%s" SUFFIX, sha256);
+    return strcmp(file, name) == 0;
+}
+
+struct restoring {
+    struct server_field_store *store;
+    struct server_surface *surface;
+    uint32_t restored;
+};
+
+/* Puts the field on the shelf, if the budget has room. */
+static void keep_field(struct restoring *restoring, struct gd_field *field)
+{
+    size_t bytes = gd_field_memsize(field);
+    if (!server_budget_take_spare(restoring->store->budget, SERVER_BUDGET_FLIGHT, bytes)) {
+        gd_field_release(field);
+        return;
+    }
+    server_cache_restore(restoring->surface->shelf, field);
+    restoring->restored++;
+}
+
+static void on_stored_field(void *user, const char *path, const char *file)
+{
+    struct restoring *restoring = user;
+    struct gd_field *field;
+    struct mapping *mapping = map_file(path);
+    if (!mapping) {
+        discard(path, "it can't be read");
+        return;
+    }
+    if (!is_whole(mapping, file)) {
+        discard(path, "its checksum is not its name");
+        unmap(mapping);
+        return;
+    }
+    enum gd_status status =
+        gd_field_open_image(restoring->surface->mesh, mapping->bytes, mapping->size, unmap, mapping, &field, NULL);
+    if (!status) {
+        keep_field(restoring, field);
+        return;
+    }
+    if (status != GD_NO_MEMORY) discard(path, gd_status_sentence(status));
+    unmap(mapping);
+}
+
+void server_field_store_restore(struct server_field_store *store, struct server_surface *surface)
+{
+    struct restoring restoring = {.store = store, .surface = surface};
+    char folder[SERVER_DISK_PATH];
+    folder_path(store, folder, surface->record->etag);
+    each_file(folder, on_stored_field, &restoring);
+    if (restoring.restored)
+        server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'", restoring.restored,
+                           surface->record->name);
+}
+
+/* --- names that are still wanted ---------------------------------------------------------------------------------- */
+
+struct names { /* of files or folders; sorted when they are searched */
+    char (*names)[SERVER_SHA256_HEX + sizeof SUFFIX + sizeof SERVER_VERSION];
+    size_t count, capacity;
+    bool is_incomplete; /* without memory: then nothing is deleted */
+};
+
+static void add_name(struct names *names, const char *name)
+{
+    if (names->count == names->capacity) {
+        size_t capacity = names->capacity ? 2 * names->capacity : 64;
+        void *grown = realloc(names->names, capacity * sizeof *names->names);
+        names->is_incomplete |= !grown;
+        if (!grown) return;
+        names->names = grown;
+        names->capacity = capacity;
+    }
+    snprintf(names->names[names->count++], sizeof *names->names, "%s", name);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
+static void sort_names(struct names *names)
+{
+    if (names->count) qsort(names->names, names->count, sizeof *names->names, compare_names);
+}
+
+static bool has_name(const struct names *names, const char *name)
+{
+    char key[sizeof *names->names] = "";
+    if (strlen(name) >= sizeof key) return false;
+    strcpy(key, name);
+    return names->count && bsearch(key, names->names, names->count, sizeof key, compare_names);
+}
+
+/* --- cleaning ----------------------------------------------------------------------------------------------------- */
+
+static void on_unwanted_file(void *user, const char *path, const char *file)
+{
+    (void)user, (void)file;
+    unlink(path);
+}
+
+static void on_folder(void *user, const char *path, const char *file)
+{
+    const struct names *wanted = user;
+    if (has_name(wanted, file)) return;
+    each_file(path, on_unwanted_file, NULL);
+    rmdir(path);
+    server_log_message(SERVER_LOG_INFO, "fields_discarded",
+                       "the stored fields in '%s' were deleted: their mesh is gone", path);
+}
+
+/* Calls `visit` with each surface of the registry. */
+static void each_surface(struct server_registry *registry,
+                         void (*visit)(void *user, const struct server_listed *listed), void *user)
+{
+    struct server_listed listed[PAGE];
+    char after[PROTO_MESH_NAME + 1];
+    uint32_t count = 0;
+    do {
+        count = server_registry_list(registry, count ? after : NULL, PAGE, listed);
+        if (count) strcpy(after, listed[count - 1].record->name);
+        for (uint32_t i = 0; i < count; i++) {
+            visit(user, &listed[i]);
+            server_listed_release(&listed[i]);
+        }
+    } while (count == PAGE);
+}
+
+static void on_wanted_surface(void *user, const struct server_listed *listed)
+{
+    char name[SERVER_ETAG + sizeof SERVER_VERSION + 1];
+    snprintf(name, sizeof name, SERVER_VERSION "-%s", listed->record->etag);
+    add_name(user, name);
+}
+
+void server_field_store_clean(struct server_field_store *store, struct server_registry *registry)
+{
+    struct names wanted = {0};
+    each_surface(registry, on_wanted_surface, &wanted);
+    sort_names(&wanted);
+    if (!wanted.is_incomplete) each_file(store->folder, on_folder, &wanted);
+    free(wanted.names);
+}
+
+/* --- saving ------------------------------------------------------------------------------------------------------- */
+
+struct saving {
+    struct server_field_store *store;
+    uint64_t until_ns;
+    struct names kept; /* files */
+    uint32_t written;
+    bool is_over; /* no more time or room */
+};
+
+static bool write_file(const char *folder, const char *path, const void *bytes, size_t size)
+{
+    char temporary[SERVER_DISK_PATH];
+    if (!file_path(temporary, folder, TEMPORARY)) return false;
+    FILE *file = fopen(temporary, "wbe");
+    if (!file) return false;
+    bool written = fwrite(bytes, 1, size, file) == size;
+    written &= fclose(file) == 0;
+    if (written && rename(temporary, path) == 0) return true;
+    unlink(temporary);
+    return false;
+}
+
+/* Writes an image under the name of its checksum, unless it is there already. */
+static void save_image(struct saving *saving, const char *folder, const void *image, size_t size)
+{
+    char sha256[SERVER_SHA256_HEX], file[SERVER_SHA256_HEX + sizeof SUFFIX], path[SERVER_DISK_PATH];
+    server_sha256(image, size, sha256);
+    snprintf(file, sizeof file, "%s" SUFFIX, sha256);
+    if (!file_path(path, folder, file)) return;
+    if (access(path, F_OK) != 0) {
+        saving->is_over |= !write_file(folder, path, image, size);
+        saving->written += !saving->is_over;
+    }
+    add_name(&saving->kept, file);
+}
+
+static void save_field(struct saving *saving, const char *folder, const struct gd_field *field)
+{
+    size_t size = gd_field_image_size(field);
+    saving->is_over |= gd_now_ns() >= saving->until_ns;
+    void *image = saving->is_over ? NULL : malloc(size);
+    if (!image) return;
+    gd_field_write_image(field, image);
+    save_image(saving, folder, image, size);
+    free(image);
+}
+
+static void save_surface(void *user, const struct server_listed *listed)
+{
+    struct saving *saving = user;
+    char folder[SERVER_DISK_PATH];
+    uint32_t count;
+    if (!listed->surface) return;
+    const struct server_cached **fields = server_shelf_pin_all(listed->surface->shelf, &count);
+    folder_path(saving->store, folder, listed->record->etag);
+    if (count && mkdir(folder, 0700) != 0 && access(folder, F_OK) != 0) saving->is_over = true;
+    for (uint32_t i = 0; i < count; i++) {
+        save_field(saving, folder, fields[i]->field);
+        server_cache_unpin(fields[i]);
+    }
+    free(fields);
+}
+
+static void on_saved_file(void *user, const char *path, const char *file)
+{
+    const struct saving *saving = user;
+    if (!has_name(&saving->kept, file)) unlink(path);
+}
+
+/* The folder of a surface that was in memory holds what was cached, and nothing else. */
+static void sweep_surface(void *user, const struct server_listed *listed)
+{
+    struct saving *saving = user;
+    char folder[SERVER_DISK_PATH];
+    if (!listed->surface) return;
+    folder_path(saving->store, folder, listed->record->etag);
+    each_file(folder, on_saved_file, saving);
+    rmdir(folder); /* if it is empty */
+}
+
+void server_field_store_save(struct server_field_store *store, struct server_registry *registry, uint64_t until_ns)
+{
+    struct saving saving = {.store = store, .until_ns = until_ns};
+    each_surface(registry, save_surface, &saving);
+    sort_names(&saving.kept);
+    if (!saving.kept.is_incomplete && !saving.is_over) each_surface(registry, sweep_surface, &saving);
+    server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",
+                       "%u fields written, %zu in all%s", saving.written, saving.kept.count,
+                       saving.is_over ? "; there was no more time or room" : "");
+    free(saving.kept.names);
+}

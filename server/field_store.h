@@ -1,0 +1,30 @@
+/* Field store: cached fields as files, written when the daemon stops and mapped when their mesh is loaded, so that a
+ * restart is warm.
+ *
+ *     fields/<version>-<etag>/<sha256>.field      the image of a field (gd/field.h), named by its own checksum
+ *
+ * What is here can be computed again: so nothing is synced, and a file that is not what its name says, or is of another
+ * version or of a mesh that is gone, is deleted. Mapped fields count in the budget as others do. Thread-safe but for
+ * server_field_store_save, which is called when nothing else runs. */
+#ifndef SERVER_FIELD_STORE_H
+#define SERVER_FIELD_STORE_H
+
+#include "server/registry.h"
+
+struct server_field_store;
+
+/* In `fields` of a local store's folder. NULL without memory, or if the folder can't be made. */
+struct server_field_store *server_field_store_open(const char *folder, struct server_budget *budget);
+void server_field_store_close(struct server_field_store *store); /* NULL is harmless */
+
+/* Puts the fields that are stored for this surface on its shelf, as far as the budget has room without letting go of
+ * anything. */
+void server_field_store_restore(struct server_field_store *store, struct server_surface *surface);
+
+/* Deletes what belongs to no surface of the registry. */
+void server_field_store_clean(struct server_field_store *store, struct server_registry *registry);
+
+/* Writes the fields of all surfaces that are in memory, until `until_ns`, and deletes those that are no longer cached. */
+void server_field_store_save(struct server_field_store *store, struct server_registry *registry, uint64_t until_ns);
+
+#endif

@@ -1,0 +1,149 @@
+/* See store_tools.h: --backup.
+ *
+ * The database is copied as it is at one moment; what its rows name is then brought over. A file that a replacement or
+ * a delete took away meanwhile means that the moment was a bad one: then it is done again. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "server/store_database.h"
+#include "server/store_files.h"
+#include "server/store_tools.h"
+
+#define ATTEMPTS 20
+
+struct backup {
+    FILE *out;
+    struct server_store_files from, to; /* `from` is only read, without its lock */
+    enum server_store_outcome outcome;
+    unsigned meshes;
+    unsigned long long bytes;
+};
+
+/* --- what a row names --------------------------------------------------------------------------------------------- */
+
+static bool give_up(struct backup *backup, enum server_store_outcome outcome, const char *what, const char *name)
+{
+    backup->outcome = outcome;
+    if (outcome != SERVER_STORE_ABSENT) fprintf(backup->out, "%s: %s\n", what, name);
+    return false;
+}
+
+static struct server_record *read_row(const struct server_row *row)
+{
+    struct server_record *record = NULL;
+    return server_record_read(row->text, row->size, &record) == SERVER_RECORD_READ ? record : NULL;
+}
+
+static enum server_store_outcome link_object(struct backup *backup, const struct server_record *record)
+{
+    char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH], folder[SERVER_DISK_PATH];
+    void *bytes = NULL;
+    server_files_object_path(&backup->from, from, record->sha256);
+    server_files_object_path(&backup->to, to, record->sha256);
+    snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
+    enum server_disk_result result = server_disk_make_folder(folder);
+    if (!result && access(to, F_OK) != 0) result = server_disk_link(from, to);
+    if (!result) result = server_disk_sync_folder(folder);
+    if (result) return server_files_outcome(result);
+    enum server_store_outcome outcome =
+        server_files_read_object(&backup->to, record->sha256, (size_t)record->size, &bytes);
+    free(bytes);
+    return outcome;
+}
+
+static bool on_row_link(void *user, const struct server_row *row)
+{
+    struct backup *backup = user;
+    struct server_record *record = read_row(row);
+    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->name);
+    enum server_store_outcome outcome = link_object(backup, record);
+    backup->meshes++;
+    backup->bytes += record->size;
+    server_record_release(record);
+    return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->name);
+}
+
+static bool on_row_manifest(void *user, const struct server_row *row)
+{
+    struct backup *backup = user;
+    struct server_record *record = read_row(row);
+    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->name);
+    enum server_store_outcome outcome = server_files_write_manifest(&backup->to, record);
+    server_record_release(record);
+    return !outcome || give_up(backup, outcome, "a manifest can't be written", row->name);
+}
+
+/* --- one moment --------------------------------------------------------------------------------------------------- */
+
+static enum server_store_outcome copy_database(const struct backup *backup, const char *copy)
+{
+    struct server_database *database;
+    char path[SERVER_DISK_PATH];
+    server_files_path(&backup->from, path, "geodesicd.db");
+    enum server_store_outcome outcome = server_database_open_to_read(path, &database);
+    if (outcome) {
+        fprintf(backup->out, "the database '%s' is damaged, or can't be read\n", path);
+        return SERVER_STORE_REFUSED;
+    }
+    outcome = server_database_copy(database, copy);
+    if (outcome) fprintf(backup->out, "the database can't be copied to '%s'\n", copy);
+    server_database_close(database, false);
+    return outcome == SERVER_STORE_ABSENT ? SERVER_STORE_REFUSED : outcome;
+}
+
+/* ABSENT: the moment was a bad one. */
+static enum server_store_outcome copy_moment(struct backup *backup)
+{
+    struct server_database *database;
+    char path[SERVER_DISK_PATH];
+    server_files_path(&backup->to, path, "geodesicd.db");
+    unlink(path);
+    backup->meshes = 0;
+    backup->bytes = 0;
+    enum server_store_outcome outcome = copy_database(backup, path);
+    if (!outcome) outcome = server_database_open(path, &database);
+    if (outcome) return outcome;
+    backup->outcome = SERVER_STORE_DONE;
+    outcome = server_database_each(database, on_row_link, backup);
+    if (!outcome && !backup->outcome) outcome = server_database_each(database, on_row_manifest, backup);
+    server_database_close(database, true);
+    return outcome ? outcome : backup->outcome;
+}
+
+/* --- the whole ---------------------------------------------------------------------------------------------------- */
+
+static bool copy_store(struct backup *backup)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(&backup->to, path, "geodesicd.db");
+    if (access(path, F_OK) == 0) {
+        fprintf(backup->out, "'%s' holds a data folder already: name a new one\n", backup->to.folder);
+        return false;
+    }
+    enum server_store_outcome outcome = SERVER_STORE_ABSENT;
+    for (int attempt = 0; outcome == SERVER_STORE_ABSENT && attempt < ATTEMPTS; attempt++)
+        outcome = copy_moment(backup);
+    if (outcome == SERVER_STORE_ABSENT)
+        fprintf(backup->out, "an uploaded file is missing, or meshes change too fast: see --check-store\n");
+    if (!outcome && server_disk_sync_folder(backup->to.folder) == SERVER_DISK_DONE) return true;
+    fprintf(backup->out, "no backup was made; what there is of it in '%s' can be deleted\n", backup->to.folder);
+    return false;
+}
+
+bool server_store_backup(const char *folder, const char *copy, FILE *out)
+{
+    struct backup backup = {.out = out};
+    char error[512];
+    snprintf(backup.from.folder, sizeof backup.from.folder, "%s", folder);
+    if (!server_files_open(&backup.to, copy, error, sizeof error)) {
+        fprintf(out, "%s\n", error);
+        return false;
+    }
+    bool copied = copy_store(&backup);
+    if (copied)
+        fprintf(out, "%u meshes, %llu bytes, copied from '%s' to '%s'\n", backup.meshes, backup.bytes, folder, copy);
+    server_files_close(&backup.to);
+    return copied;
+}

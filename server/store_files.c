@@ -1,0 +1,265 @@
+/* See store_files.h. */
+#include "server/store_files.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#define BALLAST_BYTES   ((size_t)1 << 20)
+#define MANIFEST_SUFFIX ".manifest"
+#define ASIDE           "temporary/aside" /* the manifest that one is taking the place of */
+
+enum server_store_outcome server_files_outcome(enum server_disk_result result)
+{
+    switch (result) {
+    case SERVER_DISK_DONE:
+        return SERVER_STORE_DONE;
+    case SERVER_DISK_ABSENT:
+        return SERVER_STORE_ABSENT;
+    case SERVER_DISK_FULL:
+        return SERVER_STORE_FULL;
+    case SERVER_DISK_LOST:
+        return SERVER_STORE_READ_ONLY;
+    case SERVER_DISK_NO_MEMORY:
+        return SERVER_STORE_NO_MEMORY;
+    case SERVER_DISK_REFUSED:
+        break;
+    }
+    return SERVER_STORE_REFUSED;
+}
+
+/* --- paths -------------------------------------------------------------------------------------------------------- */
+
+void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/%s", files->folder, name);
+}
+
+static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *sha256)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s", files->folder, sha256);
+}
+
+void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *sha256)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", files->folder, sha256, sha256);
+}
+
+void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/manifests/%s" MANIFEST_SUFFIX, files->folder, name);
+}
+
+static void temporary_path(struct server_store_files *files, char path[SERVER_DISK_PATH])
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/temporary/%u", files->folder, files->serial++);
+}
+
+bool server_files_manifest_name(const char *file, char name[PROTO_MESH_NAME + 1])
+{
+    struct proto_problem problem;
+    size_t size = strlen(file), suffix = strlen(MANIFEST_SUFFIX);
+    if (size <= suffix || strcmp(file + size - suffix, MANIFEST_SUFFIX) != 0) return false;
+    if (!proto_mesh_name_check(file, size - suffix, &problem)) return false;
+    snprintf(name, PROTO_MESH_NAME + 1, "%.*s", (int)(size - suffix), file);
+    return true;
+}
+
+/* --- open --------------------------------------------------------------------------------------------------------- */
+
+/* The folder and those above it that are missing. */
+static enum server_disk_result make_folders(const char *folder)
+{
+    char path[SERVER_STORE_FOLDER];
+    snprintf(path, sizeof path, "%s", folder);
+    for (char *slash = path + 1; (slash = strchr(slash, '/')); slash++) {
+        *slash = '\0';
+        enum server_disk_result result = access(path, F_OK) == 0 ? SERVER_DISK_DONE : server_disk_make_folder(path);
+        *slash = '/';
+        if (result) return result;
+    }
+    return server_disk_make_folder(path);
+}
+
+static enum server_disk_result make_layout(const struct server_store_files *files)
+{
+    static const char *const folders[] = {"objects", "manifests", "temporary"};
+    char path[SERVER_DISK_PATH];
+    enum server_disk_result result = make_folders(files->folder);
+    for (size_t i = 0; !result && i < sizeof folders / sizeof *folders; i++) {
+        server_files_path(files, path, folders[i]);
+        result = server_disk_make_folder(path);
+    }
+    return result;
+}
+
+static bool take_lock(struct server_store_files *files, char *error, size_t error_size)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, "lock");
+    files->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (files->lock < 0) {
+        snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
+        return false;
+    }
+    if (flock(files->lock, LOCK_EX | LOCK_NB) == 0) return true;
+    snprintf(error, error_size,
+             "the data folder '%s' is in use by another geodesicd: stop that one, or choose another --data-dir",
+             files->folder);
+    close(files->lock);
+    return false;
+}
+
+bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+{
+    *files = (struct server_store_files){.lock = -1};
+    if (strlen(folder) >= sizeof files->folder) {
+        snprintf(error, error_size, "the path of the data folder is longer than %d bytes", SERVER_STORE_FOLDER - 1);
+        return false;
+    }
+    strcpy(files->folder, folder);
+    if (make_layout(files)) {
+        snprintf(error, error_size, "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
+                 folder, strerror(errno));
+        return false;
+    }
+    return take_lock(files, error, error_size);
+}
+
+void server_files_close(struct server_store_files *files)
+{
+    close(files->lock);
+}
+
+/* --- objects ------------------------------------------------------------------------------------------------------ */
+
+enum server_store_outcome server_files_read_object(const struct server_store_files *files, const char *sha256,
+                                                   size_t size, void **bytes)
+{
+    char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
+    size_t got;
+    void *read;
+    server_files_object_path(files, path, sha256);
+    enum server_disk_result result = server_disk_read(path, &read, &got);
+    if (result) return server_files_outcome(result);
+    server_sha256(read, got, found);
+    if (got != size || strcmp(found, sha256) != 0) {
+        free(read);
+        return SERVER_STORE_DAMAGED;
+    }
+    *bytes = read;
+    return SERVER_STORE_DONE;
+}
+
+static bool has_object(const struct server_store_files *files, const char *sha256, size_t size)
+{
+    void *bytes = NULL;
+    bool found = server_files_read_object(files, sha256, size, &bytes) == SERVER_STORE_DONE;
+    free(bytes);
+    return found;
+}
+
+enum server_store_outcome server_files_write_object(struct server_store_files *files, const char *sha256,
+                                                    const void *bytes, size_t size)
+{
+    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
+    object_folder(files, folder, sha256);
+    server_files_object_path(files, path, sha256);
+    temporary_path(files, temporary);
+    enum server_disk_result result = server_disk_make_folder(folder);
+    if (result) return server_files_outcome(result);
+    result = has_object(files, sha256, size) ? server_disk_sync_folder(folder)
+                                             : server_disk_write(folder, path, temporary, bytes, size);
+    return server_files_outcome(result);
+}
+
+void server_files_remove_object(const struct server_store_files *files, const char *sha256)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_object_path(files, path, sha256);
+    (void)server_disk_remove(NULL, path); /* one that stays is collected at the next start */
+}
+
+/* --- manifests ---------------------------------------------------------------------------------------------------- */
+
+static void manifests_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH])
+{
+    server_files_path(files, path, "manifests");
+}
+
+static enum server_disk_result put_aside(const struct server_store_files *files, const char *path)
+{
+    char aside[SERVER_DISK_PATH];
+    server_files_path(files, aside, ASIDE);
+    enum server_disk_result result = server_disk_link(path, aside);
+    return result == SERVER_DISK_ABSENT ? SERVER_DISK_DONE : result;
+}
+
+enum server_store_outcome server_files_write_manifest(struct server_store_files *files,
+                                                      const struct server_record *record)
+{
+    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
+    size_t size;
+    char *text = server_record_write(record, &size);
+    if (!text) return SERVER_STORE_NO_MEMORY;
+    manifests_folder(files, folder);
+    server_files_manifest_path(files, path, record->name);
+    temporary_path(files, temporary);
+    server_files_settle_manifest(files);
+    enum server_disk_result result = put_aside(files, path);
+    if (!result) result = server_disk_write(folder, path, temporary, text, size);
+    free(text);
+    return server_files_outcome(result);
+}
+
+void server_files_settle_manifest(const struct server_store_files *files)
+{
+    char aside[SERVER_DISK_PATH];
+    server_files_path(files, aside, ASIDE);
+    (void)server_disk_remove(NULL, aside);
+}
+
+enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *name)
+{
+    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
+    manifests_folder(files, folder);
+    server_files_manifest_path(files, path, name);
+    server_files_path(files, aside, ASIDE);
+    if (rename(aside, path) != 0) return server_files_outcome(server_disk_remove(folder, path));
+    return server_files_outcome(server_disk_sync_folder(folder));
+}
+
+enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *name)
+{
+    char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH];
+    manifests_folder(files, folder);
+    server_files_manifest_path(files, path, name);
+    enum server_disk_result result = server_disk_remove(folder, path);
+    return result == SERVER_DISK_ABSENT ? SERVER_STORE_DONE : server_files_outcome(result);
+}
+
+/* --- ballast ------------------------------------------------------------------------------------------------------ */
+
+enum server_store_outcome server_files_load_ballast(struct server_store_files *files)
+{
+    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
+    server_files_path(files, path, "ballast");
+    if (access(path, F_OK) == 0) return SERVER_STORE_DONE;
+    void *zeros = calloc(1, BALLAST_BYTES);
+    if (!zeros) return SERVER_STORE_NO_MEMORY;
+    temporary_path(files, temporary);
+    enum server_disk_result result = server_disk_write(files->folder, path, temporary, zeros, BALLAST_BYTES);
+    free(zeros);
+    return server_files_outcome(result);
+}
+
+bool server_files_drop_ballast(const struct server_store_files *files)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, "ballast");
+    return server_disk_remove(NULL, path) == SERVER_DISK_DONE;
+}

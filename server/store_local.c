@@ -1,0 +1,199 @@
+/* See store_local.h. */
+#include "server/store_local.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "server/log.h"
+
+static struct server_store_local *local_of(struct server_store *store)
+{
+    return (struct server_store_local *)store;
+}
+
+/* --- health ------------------------------------------------------------------------------------------------------- */
+
+void server_local_forbid(struct server_store_local *local, const char *format, ...)
+{
+    va_list arguments;
+    if (atomic_load(&local->is_read_only)) return;
+    va_start(arguments, format);
+    vsnprintf(local->reason, sizeof local->reason, format, arguments);
+    va_end(arguments);
+    atomic_store(&local->is_read_only, true);
+    server_log_message(SERVER_LOG_ERROR, "store_read_only", "%s", local->reason);
+}
+
+static const char *health(struct server_store *store)
+{
+    struct server_store_local *local = local_of(store);
+    return atomic_load(&local->is_read_only) ? local->reason : NULL;
+}
+
+static bool can_write(struct server_store_local *local)
+{
+    return !atomic_load(&local->is_read_only);
+}
+
+/* What failed in a way that more writing could make worse ends all writing. */
+static enum server_store_outcome judge(struct server_store_local *local, enum server_store_outcome outcome,
+                                       const char *what)
+{
+    if (outcome != SERVER_STORE_READ_ONLY && outcome != SERVER_STORE_DAMAGED) return outcome;
+    server_local_forbid(local, "%s could not be written and made durable (%s): mend the disk and restart", what,
+                        outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));
+    return SERVER_STORE_READ_ONLY;
+}
+
+/* After a change that is durable: what it left to be done for the next one. */
+static void look_after(struct server_store_local *local)
+{
+    if (!server_database_is_sound(local->database))
+        (void)judge(local, SERVER_STORE_READ_ONLY, "the database's log");
+    else
+        (void)judge(local, server_files_load_ballast(&local->files), "the ballast");
+}
+
+/* --- objects that no name refers to ------------------------------------------------------------------------------- */
+
+static void drop_if_unused(struct server_store_local *local, const char *sha256)
+{
+    int64_t count;
+    if (!can_write(local) || server_database_count(local->database, sha256, &count) != SERVER_STORE_DONE) return;
+    if (count == 0) server_files_remove_object(&local->files, sha256);
+}
+
+/* --- put ---------------------------------------------------------------------------------------------------------- */
+
+/* The object is there. */
+static enum server_store_outcome put_record(struct server_store_local *local, const struct server_record *record)
+{
+    enum server_store_outcome outcome = judge(local, server_files_write_manifest(&local->files, record), "a manifest");
+    if (outcome) return outcome;
+    outcome = judge(local, server_database_put(local->database, record), "a row of the database");
+    if (outcome && outcome != SERVER_STORE_READ_ONLY)
+        (void)judge(local, server_files_undo_manifest(&local->files, record->name), "a manifest");
+    if (!outcome) server_files_settle_manifest(&local->files);
+    return outcome;
+}
+
+static enum server_store_outcome put(struct server_store *store, const struct server_record *record, const void *bytes)
+{
+    struct server_store_local *local = local_of(store);
+    char before[SERVER_SHA256_HEX];
+    if (!can_write(local)) return SERVER_STORE_READ_ONLY;
+    enum server_store_outcome outcome =
+        judge(local, server_database_find(local->database, record->name, before), "the database");
+    if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
+    bool replaces = outcome == SERVER_STORE_DONE;
+    outcome = judge(local, server_files_write_object(&local->files, record->sha256, bytes, record->size), "a mesh");
+    if (!outcome) outcome = put_record(local, record);
+    if (outcome)
+        drop_if_unused(local, record->sha256);
+    else if (replaces && strcmp(before, record->sha256) != 0)
+        drop_if_unused(local, before);
+    if (!outcome) look_after(local);
+    return outcome;
+}
+
+static enum server_store_outcome keep(struct server_store *store, const struct server_record *record, const void *bytes)
+{
+    struct server_store_local *local = local_of(store);
+    if (!can_write(local))
+        return SERVER_STORE_DONE; /* it was durable once; whether it still is shows when it is loaded */
+    return judge(local, server_files_write_object(&local->files, record->sha256, bytes, record->size), "a mesh");
+}
+
+/* --- remove ------------------------------------------------------------------------------------------------------- */
+
+/* The row goes into the database's log: which needs room, and gets it from the ballast. */
+static enum server_store_outcome remove_row(struct server_store_local *local, const char *name)
+{
+    enum server_store_outcome outcome = server_database_remove(local->database, name);
+    if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
+        outcome = server_database_remove(local->database, name);
+    return judge(local, outcome, "a row of the database");
+}
+
+static enum server_store_outcome remove_record(struct server_store *store, const struct server_record *record)
+{
+    struct server_store_local *local = local_of(store);
+    if (!can_write(local)) return SERVER_STORE_READ_ONLY;
+    enum server_store_outcome outcome = remove_row(local, record->name);
+    if (outcome) return outcome;
+    outcome = judge(local, server_files_remove_manifest(&local->files, record->name), "a manifest");
+    if (outcome == SERVER_STORE_REFUSED)
+        server_local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
+                            strerror(errno));
+    if (outcome) return SERVER_STORE_READ_ONLY;
+    drop_if_unused(local, record->sha256);
+    look_after(local);
+    return SERVER_STORE_DONE;
+}
+
+/* --- the rest ----------------------------------------------------------------------------------------------------- */
+
+static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record, void **bytes)
+{
+    return server_files_read_object(&local_of(store)->files, record->sha256, record->size, bytes);
+}
+
+static void note_uses(struct server_store *store, const struct server_record *const *records,
+                      const struct server_store_uses *uses, uint32_t count)
+{
+    struct server_store_local *local = local_of(store);
+    if (!can_write(local)) return;
+    (void)judge(local, server_database_note_uses(local->database, records, uses, count), "a row of the database");
+}
+
+static void each(struct server_store *store,
+                 bool (*visit)(void *user, struct server_record *record, const struct server_store_uses *uses),
+                 void *user)
+{
+    struct server_store_local *local = local_of(store);
+    for (uint32_t i = 0; i < local->found_count; i++)
+        if (!visit(user, local->found[i].record, &local->found[i].uses)) break;
+    server_local_forget_found(local);
+}
+
+void server_local_forget_found(struct server_store_local *local)
+{
+    for (uint32_t i = 0; i < local->found_count; i++) server_record_release(local->found[i].record);
+    free(local->found);
+    local->found = NULL;
+    local->found_count = 0;
+}
+
+static void close_store(struct server_store *store)
+{
+    struct server_store_local *local = local_of(store);
+    server_local_forget_found(local);
+    server_database_close(local->database, can_write(local));
+    server_files_close(&local->files);
+    free(local);
+}
+
+struct server_store *server_store_local_open(const char *folder, char *error, size_t error_size)
+{
+    struct server_store_local *local = calloc(1, sizeof *local);
+    snprintf(error, error_size, "out of memory");
+    if (!local) return NULL;
+    local->store = (struct server_store){.each = each,
+                                         .put = put,
+                                         .keep = keep,
+                                         .remove = remove_record,
+                                         .fetch = fetch,
+                                         .note_uses = note_uses,
+                                         .health = health,
+                                         .close = close_store};
+    if (!server_files_open(&local->files, folder, error, error_size)) {
+        free(local);
+        return NULL;
+    }
+    if (server_local_recover(local, error, error_size)) return &local->store;
+    close_store(&local->store);
+    return NULL;
+}

@@ -1,0 +1,35 @@
+/* Local store: SQLite and files in one folder; its inside, which opening and use share. See store.h and store_files.h. */
+#ifndef SERVER_STORE_LOCAL_H
+#define SERVER_STORE_LOCAL_H
+
+#include <stdatomic.h>
+
+#include "server/store_database.h"
+#include "server/store_files.h"
+
+struct server_found { /* a surface, as the start found it */
+    struct server_record *record;
+    struct server_store_uses uses;
+};
+
+struct server_store_local {
+    struct server_store store; /* first */
+    struct server_store_files files;
+    struct server_database *database; /* NULL: it can't be opened or made; then nothing is written */
+    struct server_found *found;       /* sorted by name; given up once they were visited */
+    uint32_t found_count;
+    atomic_bool is_read_only;
+    char reason[512]; /* why; written once, before is_read_only is set */
+};
+
+/* Nothing is written from now on; the first reason counts. */
+void server_local_forbid(struct server_store_local *local, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Finds what the folder holds, mends what can be mended, collects what nothing refers to. False with a sentence when a
+ * later version wrote it, or without memory. */
+bool server_local_recover(struct server_store_local *local, char *error, size_t error_size);
+
+void server_local_forget_found(struct server_store_local *local);
+
+#endif

@@ -1,0 +1,356 @@
+/* Recovery: how a local store opens, whatever the last process left behind, and whatever happened to the files since.
+ *
+ * DESIGN. A manifest that can be read tells the truth: it was durable before its row, and is removed only after its row.
+ *     manifest     row                  what it was                        what is done
+ *     good         the same             nothing                            nothing
+ *     good         none, other, bad     a crash between the two, or a      the row is written
+ *                                       damaged database
+ *     none         good                 a manifest was lost                it is written
+ *     bad          good                 a damaged manifest                 it is put aside and written again
+ *     bad or none  bad or none          both are damaged                   put aside: that name is lost, and said so
+ * Crashes alone lead only to the first two rows. A database that SQLite can't vouch for is put aside, and a new one is
+ * made from the manifests. Objects are verified when they are loaded. */
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "server/log.h"
+#include "server/store_local.h"
+
+struct finding {
+    char name[PROTO_MESH_NAME + 1];
+    struct server_record *row, *manifest; /* NULL: none, or damaged */
+    bool has_row, has_manifest, differ;
+    struct server_store_uses uses;
+    char checksum[SERVER_SHA256_HEX]; /* of the row's text */
+};
+
+struct recovery {
+    struct server_store_local *local;
+    struct finding *findings;
+    uint32_t count, sorted, capacity; /* the first `sorted` are in order of their names */
+    const char **used;                /* hashes of the objects that have a name, sorted */
+    bool is_newer, no_memory, lost_some;
+};
+
+/* --- findings ----------------------------------------------------------------------------------------------------- */
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(((const struct finding *)a)->name, ((const struct finding *)b)->name);
+}
+
+static struct finding *add_finding(struct recovery *recovery, const char *name)
+{
+    if (recovery->count == recovery->capacity) {
+        uint32_t capacity = recovery->capacity ? 2 * recovery->capacity : 64;
+        struct finding *findings = realloc(recovery->findings, capacity * sizeof *findings);
+        recovery->no_memory |= !findings;
+        if (!findings) return NULL;
+        recovery->findings = findings;
+        recovery->capacity = capacity;
+    }
+    struct finding *finding = &recovery->findings[recovery->count++];
+    memset(finding, 0, sizeof *finding);
+    snprintf(finding->name, sizeof finding->name, "%s", name);
+    return finding;
+}
+
+static struct finding *find_or_add(struct recovery *recovery, const char *name)
+{
+    struct finding key;
+    snprintf(key.name, sizeof key.name, "%s", name);
+    struct finding *found =
+        recovery->sorted ? bsearch(&key, recovery->findings, recovery->sorted, sizeof key, by_name) : NULL;
+    return found ? found : add_finding(recovery, name);
+}
+
+/* The record of that name, or NULL when the text is not that. */
+static struct server_record *read_record(struct recovery *recovery, const char *name, const char *text, size_t size)
+{
+    struct server_record *record = NULL;
+    enum server_record_reading reading = server_record_read(text, size, &record);
+    recovery->is_newer |= reading == SERVER_RECORD_NEWER;
+    recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
+    if (record && strcmp(record->name, name) == 0) return record;
+    server_record_release(record);
+    return NULL;
+}
+
+/* --- rows --------------------------------------------------------------------------------------------------------- */
+
+static bool on_row(void *user, const struct server_row *row)
+{
+    struct recovery *recovery = user;
+    struct finding *finding = add_finding(recovery, row->name);
+    if (!finding) return false;
+    finding->has_row = true;
+    finding->uses = row->uses;
+    finding->row = read_record(recovery, row->name, row->text, row->size);
+    server_sha256(row->text, row->size, finding->checksum);
+    return true;
+}
+
+/* --- the database ------------------------------------------------------------------------------------------------- */
+
+static void move_aside(const struct server_store_files *files, const char *name, const char *suffix)
+{
+    char path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
+    server_files_path(files, path, name);
+    if (snprintf(aside, sizeof aside, "%s%s", path, suffix) < (int)sizeof aside) (void)rename(path, aside);
+}
+
+static void move_database_aside(const struct server_store_files *files)
+{
+    char suffix[64];
+    snprintf(suffix, sizeof suffix, ".damaged-%lld", (long long)time(NULL));
+    move_aside(files, "geodesicd.db", suffix);
+    move_aside(files, "geodesicd.db-wal", suffix);
+    move_aside(files, "geodesicd.db-shm", suffix);
+    (void)server_disk_sync_folder(files->folder);
+    server_log_message(
+        SERVER_LOG_ERROR, "store_database_damaged",
+        "the database is damaged: it was renamed to geodesicd.db%s, a new one is made from the manifests", suffix);
+}
+
+static enum server_store_outcome read_database(struct recovery *recovery, const char *path)
+{
+    struct server_store_local *local = recovery->local;
+    enum server_store_outcome outcome = server_database_open(path, &local->database);
+    if (!outcome) outcome = server_database_each(local->database, on_row, recovery);
+    return outcome;
+}
+
+static void forget_findings(struct recovery *recovery)
+{
+    for (uint32_t i = 0; i < recovery->count; i++) {
+        server_record_release(recovery->findings[i].row);
+        server_record_release(recovery->findings[i].manifest);
+    }
+    recovery->count = 0;
+}
+
+/* Opens the database, or a new one in its place; without either the store is read-only. */
+static void open_database(struct recovery *recovery)
+{
+    struct server_store_local *local = recovery->local;
+    char path[SERVER_DISK_PATH];
+    server_files_path(&local->files, path, "geodesicd.db");
+    enum server_store_outcome outcome = read_database(recovery, path);
+    if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
+        outcome = read_database(recovery, path);
+    if (outcome == SERVER_STORE_DAMAGED || outcome == SERVER_STORE_READ_ONLY) {
+        forget_findings(recovery);
+        server_database_close(local->database, false);
+        local->database = NULL;
+        move_database_aside(&local->files);
+        outcome = read_database(recovery, path);
+    }
+    recovery->sorted = recovery->count;
+    if (!outcome) outcome = server_files_outcome(server_disk_sync_folder(local->files.folder));
+    if (!outcome) return;
+    server_database_close(local->database, false);
+    local->database = NULL;
+    server_local_forbid(local, "the database '%s' can't be opened or made (%s): mend that and restart", path,
+                        outcome == SERVER_STORE_FULL ? "the disk is full" : strerror(errno));
+}
+
+/* --- manifests ---------------------------------------------------------------------------------------------------- */
+
+static void read_manifest(struct recovery *recovery, const char *name)
+{
+    struct finding *finding = find_or_add(recovery, name);
+    char path[SERVER_DISK_PATH], checksum[SERVER_SHA256_HEX];
+    void *text;
+    size_t size;
+    if (!finding) return;
+    finding->has_manifest = true;
+    server_files_manifest_path(&recovery->local->files, path, name);
+    enum server_disk_result result = server_disk_read(path, &text, &size);
+    recovery->no_memory |= result == SERVER_DISK_NO_MEMORY;
+    if (result) return;
+    finding->manifest = read_record(recovery, name, text, size);
+    server_sha256(text, size, checksum);
+    finding->differ = strcmp(checksum, finding->checksum) != 0;
+    free(text);
+}
+
+/* Calls `visit` with each file name of a folder. */
+static void each_file(const struct server_store_files *files, const char *folder,
+                      void (*visit)(struct recovery *recovery, const char *folder, const char *file),
+                      struct recovery *recovery)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, folder);
+    DIR *directory = opendir(path);
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));)
+        if (entry->d_name[0] != '.') visit(recovery, folder, entry->d_name);
+    closedir(directory);
+}
+
+static void on_manifest(struct recovery *recovery, const char *folder, const char *file)
+{
+    char name[PROTO_MESH_NAME + 1];
+    (void)folder;
+    if (server_files_manifest_name(file, name)) read_manifest(recovery, name);
+}
+
+/* --- mending ------------------------------------------------------------------------------------------------------ */
+
+static void say(const struct finding *finding, enum server_store_outcome outcome, const char *what)
+{
+    struct server_log_line line;
+    if (!server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) return;
+    server_log_text(&line, "name", finding->name);
+    server_log_text(&line, "message", what);
+    if (outcome) server_log_text(&line, "failure", "it could not be written; it is tried again at the next start");
+    server_log_end(&line);
+}
+
+static void mend_row(struct server_store_local *local, const struct finding *finding)
+{
+    enum server_store_outcome outcome =
+        local->database ? server_database_put(local->database, finding->manifest) : SERVER_STORE_READ_ONLY;
+    say(finding, outcome, "its row in the database was written again from its manifest");
+}
+
+static void put_manifest_aside(struct recovery *recovery, const struct finding *finding)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_manifest_path(&recovery->local->files, path, finding->name);
+    move_aside(&recovery->local->files, path + strlen(recovery->local->files.folder) + 1, ".damaged");
+    recovery->lost_some = true;
+}
+
+static void mend_manifest(struct recovery *recovery, const struct finding *finding)
+{
+    struct server_store_local *local = recovery->local;
+    if (finding->has_manifest) put_manifest_aside(recovery, finding);
+    enum server_store_outcome outcome = server_files_write_manifest(&local->files, finding->row);
+    say(finding, outcome, "its manifest was missing or damaged, and was written again from its row in the database");
+    if (outcome == SERVER_STORE_READ_ONLY) server_local_forbid(local, "a manifest could not be made durable");
+}
+
+static void give_up(struct recovery *recovery, const struct finding *finding)
+{
+    struct server_store_local *local = recovery->local;
+    if (finding->has_manifest) put_manifest_aside(recovery, finding);
+    if (finding->has_row && local->database) (void)server_database_remove(local->database, finding->name);
+    recovery->lost_some = true;
+    server_log_message(
+        SERVER_LOG_ERROR, "store_lost",
+        "the mesh '%s' is lost: its manifest and its row in the database are damaged; its bytes are kept",
+        finding->name);
+}
+
+/* Mends what the table above tells; the record that counts, or NULL. */
+static struct server_record *settle(struct recovery *recovery, const struct finding *finding)
+{
+    if (finding->manifest) {
+        if (finding->differ) mend_row(recovery->local, finding);
+        return finding->manifest;
+    }
+    if (finding->row)
+        mend_manifest(recovery, finding);
+    else
+        give_up(recovery, finding);
+    return finding->row;
+}
+
+static bool settle_all(struct recovery *recovery)
+{
+    struct server_store_local *local = recovery->local;
+    if (recovery->count) qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_name);
+    local->found = calloc(recovery->count + 1, sizeof *local->found);
+    if (!local->found) return false;
+    for (uint32_t i = 0; i < recovery->count; i++) {
+        struct server_record *record = settle(recovery, &recovery->findings[i]);
+        if (!record) continue;
+        local->found[local->found_count++] =
+            (struct server_found){server_record_retain(record), recovery->findings[i].uses};
+    }
+    return true;
+}
+
+/* --- what nothing refers to --------------------------------------------------------------------------------------- */
+
+static void on_temporary(struct recovery *recovery, const char *folder, const char *file)
+{
+    char path[SERVER_DISK_PATH], name[SERVER_DISK_PATH];
+    if (snprintf(name, sizeof name, "%s/%s", folder, file) >= SERVER_DISK_PATH - SERVER_STORE_FOLDER) return;
+    server_files_path(&recovery->local->files, path, name);
+    (void)unlink(path);
+}
+
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* The hashes of what was found, sorted. NULL without memory. */
+static const char **used_objects(const struct server_store_local *local)
+{
+    const char **used = malloc((local->found_count + (size_t)1) * sizeof(char *));
+    if (!used) return NULL;
+    for (uint32_t i = 0; i < local->found_count; i++) used[i] = local->found[i].record->sha256;
+    qsort(used, local->found_count, sizeof(char *), by_text);
+    return used;
+}
+
+static void on_object(struct recovery *recovery, const char *folder, const char *file)
+{
+    const struct server_store_local *local = recovery->local;
+    (void)folder;
+    if (strlen(file) == SERVER_SHA256_HEX - 1 &&
+        !bsearch(&file, recovery->used, local->found_count, sizeof(char *), by_text))
+        server_files_remove_object(&local->files, file);
+}
+
+static void on_object_folder(struct recovery *recovery, const char *folder, const char *file)
+{
+    char path[SERVER_DISK_PATH - SERVER_STORE_FOLDER];
+    if (snprintf(path, sizeof path, "%s/%s", folder, file) < (int)sizeof path)
+        each_file(&recovery->local->files, path, on_object, recovery);
+}
+
+/* After damage nothing is thrown away: it may be what somebody can mend by hand. */
+static void collect(struct recovery *recovery)
+{
+    if (recovery->lost_some || recovery->local->is_read_only) return;
+    recovery->used = used_objects(recovery->local);
+    if (recovery->used) each_file(&recovery->local->files, "objects", on_object_folder, recovery);
+    free(recovery->used);
+    if (server_files_load_ballast(&recovery->local->files) == SERVER_STORE_READ_ONLY)
+        server_local_forbid(recovery->local, "the ballast could not be made durable");
+}
+
+/* --- the whole ---------------------------------------------------------------------------------------------------- */
+
+static bool recover(struct recovery *recovery, char *error, size_t error_size)
+{
+    const struct server_store_files *files = &recovery->local->files;
+    each_file(files, "temporary", on_temporary, recovery);
+    open_database(recovery);
+    each_file(files, "manifests", on_manifest, recovery);
+    if (recovery->is_newer) {
+        snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one", files->folder);
+        return false;
+    }
+    if (recovery->no_memory || !settle_all(recovery)) return false; /* the caller has said why */
+    collect(recovery);
+    return true;
+}
+
+bool server_local_recover(struct server_store_local *local, char *error, size_t error_size)
+{
+    struct recovery recovery = {.local = local};
+    bool recovered = recover(&recovery, error, error_size);
+    forget_findings(&recovery);
+    free(recovery.findings);
+    return recovered;
+}

@@ -1,0 +1,18 @@
+/* Store tools: what an operator does with a data folder: check it, copy it. */
+#ifndef SERVER_STORE_TOOLS_H
+#define SERVER_STORE_TOOLS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Reads every row, manifest and object of a folder that no daemon uses, changes nothing, and prints what it finds to
+ * `out`: a line a fault, a line for each kind of thing that the next start will tidy up, and the sums. False: there are
+ * faults, or the folder can't be checked. */
+bool server_store_check(const char *folder, FILE *out);
+
+/* Makes a complete data folder `copy`, which must not hold one, of `folder` as it is at one moment, whether a daemon is
+ * using it or not. Objects become links where the file system can, since they never change; each is verified. False
+ * with a sentence on `out`. */
+bool server_store_backup(const char *folder, const char *copy, FILE *out);
+
+#endif

@@ -1,0 +1,321 @@
+"""What a durable store promises: conditions, restarts, memory, a warm cache, damage, the operator's tools."""
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, TestCase, sample
+
+
+class Folder(unittest.TestCase):
+    """Each test has a data folder of its own."""
+
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.place.name) / "data"
+
+    def tearDown(self):
+        self.place.cleanup()
+
+    def start(self, *flags):
+        return Daemon("--data-dir", str(self.folder), *flags)
+
+    def tool(self, *flags, folder=None):
+        return subprocess.run([PROGRAM, "--data-dir", folder or self.folder, *flags], capture_output=True, text=True,
+                              timeout=PATIENCE_SECONDS)
+
+    def events(self, daemon):
+        return [line["event"] for line in daemon.log]
+
+
+class Conditions(TestCase):
+    def test_reading_what_is_known_already(self):
+        etag = self.daemon.put("known", SQUARE).headers["ETag"]
+        for path in ("", "/content", "/content?format=ply", "/distance?from=v:0&to=v:2", "/path?from=v:0&to=v:2",
+                     "/nearest?point=p:0,0,1"):
+            url = f"/v1/meshes/known{path}"
+            self.assertEqual(self.daemon.get(url).headers["ETag"], etag, path)
+            for known in (etag, f"W/{etag}", f'"other", {etag}', f'W/"x" , W/{etag}', "*"):
+                answer = self.daemon.get(url, If_None_Match=known)
+                self.assertEqual((answer.status, answer.body, answer.headers["ETag"]), (304, b"", etag), (path, known))
+            for other in ('"other"', etag.strip('"'), 'W/"x", "y"'):
+                self.assertEqual(self.daemon.get(url, If_None_Match=other).status, 200, (path, other))
+
+    def test_reading_one_version_only(self):
+        etag = self.daemon.put("version", SQUARE).headers["ETag"]
+        for path in ("", "/content", "/distance?from=v:0&to=v:2"):
+            url = f"/v1/meshes/version{path}"
+            self.assertEqual(self.daemon.get(url, If_Match=etag).status, 200)
+            self.assert_problem(self.daemon.get(url, If_Match=f"W/{etag}"), 412, "precondition_failed")
+            self.assert_problem(self.daemon.get(url, If_Match='"other"'), 412, "precondition_failed")
+
+    def test_an_error_is_an_error_whatever_the_conditions(self):
+        etag = self.daemon.put("wrong", SQUARE).headers["ETag"]
+        answer = self.daemon.get("/v1/meshes/wrong/distance?from=v:0&to=v:9", If_None_Match=etag)
+        self.assert_problem(answer, 400, "invalid_request")
+        self.assert_problem(self.daemon.get("/v1/meshes/nobody", If_None_Match="*"), 404, "not_found")
+
+    def test_writing(self):
+        put, delete = self.daemon.put, lambda name, **headers: self.daemon.request(
+            "DELETE", f"/v1/meshes/{name}", headers={key.replace("_", "-"): text for key, text in headers.items()})
+        etag = put("written", SQUARE, If_None_Match="*").headers["ETag"]
+        self.assert_problem(put("written", SQUARE, If_None_Match="*"), 412, "precondition_failed")
+        self.assert_problem(put("written", TETRAHEDRON, If_Match=f"W/{etag}"), 412, "precondition_failed")
+        self.assert_problem(put("written", TETRAHEDRON, If_None_Match=f'"x", {etag}'), 412, "precondition_failed")
+        second = put("written", TETRAHEDRON, If_Match=f'"x", {etag}').headers["ETag"]
+        self.assertNotEqual(etag, second)
+        self.assert_problem(delete("written", If_Match=etag), 412, "precondition_failed")
+        self.assert_problem(delete("written", If_None_Match=second), 412, "precondition_failed")
+        self.assertEqual(delete("written", If_Match=second).status, 204)
+        self.assert_problem(delete("written", If_Match="*"), 404, "not_found")
+
+
+class Race(Folder):
+    def test_one_of_many_conditional_writes_wins(self):
+        import concurrent.futures
+        files = [sample("grid", columns=4 + i, rows=4) for i in range(8)]
+        with self.start("--workers", "4") as daemon:
+            etag = daemon.put("raced", SQUARE).headers["ETag"]
+            with concurrent.futures.ThreadPoolExecutor(8) as pool:
+                answers = list(pool.map(lambda file: daemon.put("raced", file, If_Match=etag), files))
+            self.assertEqual(sorted(answer.status for answer in answers), [200] + [412] * 7)
+            winner = next(answer for answer in answers if answer.status == 200)
+            self.assertEqual(daemon.get("/v1/meshes/raced").json["sha256"], winner.json["sha256"])
+
+
+class Restart(Folder):
+    def test_everything_is_there_again(self):
+        files = {"a": SQUARE, "b.c": TETRAHEDRON, "same": SQUARE, "torus": sample("torus")}
+        with self.start() as daemon:
+            before = {name: daemon.put(name, file).json for name, file in files.items()}
+            daemon.put("gone", SQUARE)
+            daemon.request("DELETE", "/v1/meshes/gone")
+            daemon.put("torus", sample("torus"), "?triangulate=false&weld=1e-9&repair=split")
+            before["torus"] = daemon.get("/v1/meshes/torus").json
+            distance = daemon.get("/v1/meshes/torus/distance?from=v:0&to=v:9").body
+            content = daemon.get("/v1/meshes/torus/content").body
+        with self.start() as daemon:
+            after = {mesh["name"]: mesh for mesh in daemon.get("/v1/meshes").json["meshes"]}
+            for mesh in (*before.values(), *after.values()):
+                mesh.pop("fields_cached")
+            self.assertEqual(after, before)
+            self.assertEqual(daemon.get("/v1/meshes/torus/distance?from=v:0&to=v:9").body, distance)
+            self.assertEqual(daemon.get("/v1/meshes/torus/content").body, content)
+            self.assertEqual(daemon.put("a", SQUARE).status, 200)
+            self.assertEqual(daemon.put("a", SQUARE, If_None_Match="*").status, 412)
+            self.assertEqual(daemon.request("DELETE", "/v1/meshes/a").status, 204)
+            self.assertEqual(daemon.get("/v1/meshes/same/distance?from=v:0&to=v:2").status, 200)
+        with self.start() as daemon:
+            self.assertEqual(daemon.get("/v1/meshes/a").status, 404)
+            self.assertEqual(daemon.get("/v1/meshes/same/content").status, 200)
+
+    def test_one_daemon_a_folder(self):
+        with self.start():
+            second = self.tool("--listen", "127.0.0.1:0")
+            self.assertEqual(second.returncode, 1)
+            self.assertIn("in use by another geodesicd", second.stderr)
+
+    def test_one_load_for_all_who_ask(self):
+        import concurrent.futures
+        with self.start() as daemon:
+            for i in range(3):
+                daemon.put(f"m{i}", sample("icosphere", level=4 + i % 2))
+        with self.start("--workers", "2") as daemon:
+            def ask(number):
+                return daemon.get(f"/v1/meshes/m{number % 3}/distance?from=v:0&to=v:100")
+            with concurrent.futures.ThreadPoolExecutor(30) as pool:
+                answers = list(pool.map(ask, range(30)))
+            self.assertEqual({answer.status for answer in answers}, {200})
+            self.assertEqual(daemon.metric("mesh_loads_total"), 3)
+            self.assertEqual(daemon.metric("cache_builds_total"), 3)
+
+    def test_a_description_needs_no_load(self):
+        with self.start() as daemon:
+            for i in range(20):
+                daemon.put(f"m{i:02}", sample("icosphere", level=4))
+        with self.start("--memory-budget", "2MiB", "--max-body", "1MiB") as daemon:  # room for none
+            self.assertEqual(len(daemon.get("/v1/meshes").json["meshes"]), 20)
+            self.assertEqual(daemon.get("/v1/meshes/m07").json["vertices"], 2562)
+            self.assertEqual(daemon.metric("mesh_loads_total"), 0)
+            self.assertEqual(daemon.get("/v1/meshes/m07/distance?from=v:0&to=v:1").json["code"], "insufficient_memory")
+
+    def test_what_was_used_most_is_loaded_first(self):
+        with self.start() as daemon:
+            for name in ("cold", "hot", "warm"):
+                daemon.put(name, SQUARE)
+            for name, times in (("hot", 9), ("warm", 3)):
+                for _ in range(times):
+                    daemon.get(f"/v1/meshes/{name}/nearest?point=p:0,0,1")
+        with self.start() as daemon:
+            until = time.monotonic() + 10
+            while daemon.metric("meshes_loaded") < 3:
+                self.assertLess(time.monotonic(), until)
+            self.assertEqual(daemon.metric("mesh_loads_total"), 3)
+
+
+class Memory(Folder):
+    def test_unused_meshes_make_room(self):
+        file = sample("icosphere", level=5)
+        with self.start("--memory-budget", "64MiB", "--max-body", "4MiB") as daemon:
+            size = daemon.put("m0", file).json["memory_bytes"]
+            count = 3 * (64 << 20) // size
+            for i in range(1, count):
+                self.assertEqual(daemon.put(f"m{i}", file).status, 201)
+            self.assertGreater(daemon.metric("mesh_unloads_total"), 0)
+            self.assertLess(daemon.metric("meshes_loaded"), count)
+            for i in (0, count // 2, count - 1):
+                self.assertEqual(daemon.get(f"/v1/meshes/m{i}/distance?from=v:0&to=v:9").status, 200)
+            self.assertEqual(daemon.metric("meshes"), count)
+
+
+class Fields(Folder):
+    URL = "/v1/meshes/ball/path?from=v:7&to=p:0,0,-9"
+
+    def warm(self):
+        with self.start("--persist-fields") as daemon:
+            daemon.put("ball", sample("icosphere", level=4))
+            for source in range(5):
+                daemon.get(f"/v1/meshes/ball/distance?from=v:{source}&to=p:0,0,-9")
+            return daemon.get(self.URL).body
+
+    def test_a_restart_is_warm(self):
+        answer = self.warm()
+        for _ in range(2):
+            with self.start("--persist-fields") as daemon:
+                self.assertEqual(daemon.get(self.URL).body, answer)
+                self.assertEqual(daemon.metric("cache_builds_total"), 0)
+                self.assertEqual(daemon.get("/v1/meshes/ball").json["fields_cached"], 6)
+                self.assertIn('memory_bytes{class="fields"} ', daemon.get("/metrics").body.decode())
+
+    def test_a_damaged_file_is_deleted(self):
+        answer = self.warm()
+        files = sorted(self.folder.glob("fields/*/*.field"))
+        self.assertEqual(len(files), 6)
+        for file in files:
+            bytes_ = bytearray(file.read_bytes())
+            bytes_[len(bytes_) // 2] ^= 1
+            file.write_bytes(bytes_)
+        with self.start("--persist-fields") as daemon:
+            self.assertEqual(daemon.get(self.URL).body, answer)
+            self.assertEqual(daemon.metric("cache_builds_total"), 1)
+            self.assertEqual(self.events(daemon).count("field_discarded"), 6)
+
+    def test_fields_go_with_their_mesh(self):
+        self.warm()
+        with self.start() as daemon:
+            daemon.put("ball", SQUARE)
+        with self.start("--persist-fields") as daemon:
+            self.assertEqual(list(self.folder.glob("fields/*")), [])
+            self.assertEqual(daemon.get("/v1/meshes/ball/distance?from=v:0&to=v:2").status, 200)
+
+
+class Damage(Folder):
+    def fill(self):
+        with self.start() as daemon:
+            for name, file in (("a", SQUARE), ("b", TETRAHEDRON)):
+                daemon.put(name, file)
+            return {name: daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body for name in "ab"}
+
+    def flip(self, path, at=0.5):
+        bytes_ = bytearray(path.read_bytes())
+        bytes_[int(at * len(bytes_))] ^= 4
+        path.write_bytes(bytes_)
+
+    def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
+        answers = self.fill()
+        sha = json.loads(subprocess.run(["sed", "-n", "s/^description //p", self.folder / "manifests/a.manifest"],
+                                        capture_output=True, check=True).stdout)["sha256"]
+        self.flip(self.folder / "objects" / sha[:2] / sha)
+        check = self.tool("--check-store")
+        self.assertEqual(check.returncode, 1)
+        self.assertIn("damaged or can't be read: a", check.stdout)
+        with self.start() as daemon:
+            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2")
+            self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
+            self.assertIn("upload the mesh again", answer.json["detail"])
+            self.assertEqual(daemon.get("/v1/meshes/b/distance?from=v:0&to=v:2").body, answers["b"])
+            self.assertEqual(daemon.get("/v1/meshes/a").status, 200)
+            self.assertEqual(daemon.put("a", SQUARE).status, 200)
+            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answers["a"])
+        self.assertEqual(self.tool("--check-store").returncode, 0)
+        (self.folder / "objects" / sha[:2] / sha).unlink()
+        with self.start() as daemon:
+            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2")
+            self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
+            self.assertEqual(daemon.put("a", SQUARE).status, 200)
+
+    def test_a_damaged_database_is_made_again(self):
+        answers = self.fill()
+        for damage in (lambda path: self.flip(path, 0.01), lambda path: path.write_bytes(b"no database at all" * 300),
+                       lambda path: path.unlink(), lambda path: path.write_bytes(path.read_bytes()[:5000])):
+            damage(self.folder / "geodesicd.db")
+            with self.start() as daemon:
+                for name, answer in answers.items():
+                    self.assertEqual(daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body, answer)
+            self.assertEqual(self.tool("--check-store").returncode, 0)
+        self.assertTrue(list(self.folder.glob("geodesicd.db.damaged-*")))
+
+    def test_a_damaged_or_missing_manifest_is_written_again(self):
+        answers = self.fill()
+        for damage in (self.flip, pathlib.Path.unlink, lambda path: path.write_bytes(b"")):
+            damage(self.folder / "manifests/a.manifest")
+            self.assertEqual(self.tool("--check-store").returncode, 1)
+            with self.start() as daemon:
+                self.assertIn("store_mended", self.events(daemon))
+                self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answers["a"])
+            self.assertEqual(self.tool("--check-store").returncode, 0)
+
+    def test_a_later_version_is_respected(self):
+        self.fill()
+        import hashlib
+        path = self.folder / "manifests/a.manifest"
+        body = path.read_bytes().replace(b"geodesicd record 1\n", b"geodesicd record 2\n")
+        body = body[: body.rindex(b"checksum ")]
+        path.write_bytes(body + b"checksum " + hashlib.sha256(body).hexdigest().encode() + b"\n")
+        result = self.tool("--listen", "127.0.0.1:0")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("later version", result.stderr)
+
+
+class Tools(Folder):
+    def test_backup_while_running(self):
+        import concurrent.futures
+        import threading
+        copies = pathlib.Path(self.place.name)
+        with self.start("--workers", "2") as daemon:
+            daemon.put("kept", sample("torus"))
+            answer = daemon.get("/v1/meshes/kept/distance?from=v:0&to=v:9").body
+            stop = threading.Event()
+
+            def churn():
+                step = 0
+                while not stop.is_set():
+                    step += 1
+                    daemon.put(f"churn{step % 3}", sample("grid", columns=3 + step % 7, rows=3))
+                    if step % 5 == 0:
+                        daemon.request("DELETE", f"/v1/meshes/churn{step // 5 % 3}")
+
+            with concurrent.futures.ThreadPoolExecutor(1) as pool:
+                churning = pool.submit(churn)
+                results = [self.tool("--backup", copies / f"copy{i}") for i in range(4)]
+                stop.set()
+                churning.result()
+        for i, result in enumerate(results):
+            self.assertEqual(result.returncode, 0, result)
+            check = self.tool("--check-store", folder=copies / f"copy{i}")
+            self.assertEqual(check.returncode, 0, check)
+        shutil.rmtree(self.folder)
+        with Daemon("--data-dir", str(copies / "copy3")) as daemon:
+            self.assertEqual(daemon.get("/v1/meshes/kept/distance?from=v:0&to=v:9").body, answer)
+        self.assertEqual(self.tool("--backup", copies / "copy2", folder=copies / "copy3").returncode, 1)
+
+    def test_check_of_nothing(self):
+        self.assertEqual(self.tool("--check-store").returncode, 1)
+        self.assertFalse(self.folder.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#include "tests/bench/bench.h"
+
+void *bench_allocate(size_t bytes)
+{
+    void *memory = malloc(bytes ? bytes : 1);
+    if (memory) return memory;
+    fputs("gd_bench: the system is out of memory.\n", stderr);
+    exit(EXIT_FAILURE);
+}
+
+void bench_require(enum gd_status status, const struct gd_detail *detail)
+{
+    if (status == GD_OK) return;
+    fprintf(stderr, "gd_bench: %s (%s)\n", gd_status_sentence(status), detail ? detail->text : "");
+    exit(EXIT_FAILURE);
+}
+
+double bench_ms_since(uint64_t start)
+{
+    return 1e-6 * (double)(gd_now_ns() - start);
+}
+
+double bench_thread_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+uint64_t bench_peak_bytes(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (uint64_t)usage.ru_maxrss : 0;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+double bench_quantile(double *values, uint32_t count, double q)
+{
+    qsort(values, count, sizeof *values, by_value);
+    double at = q * (count - 1);
+    uint32_t low = (uint32_t)at, high = low + 1 < count ? low + 1 : low;
+    return values[low] + (at - low) * (values[high] - values[low]);
+}
+
+void bench_print_text(const char *key, const char *text)
+{
+    printf("\"%s\":\"", key);
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\')
+            printf("\\%c", *text);
+        else if ((unsigned char)*text < 0x20)
+            printf("\\u%04x", (unsigned char)*text);
+        else
+            putchar(*text);
+    }
+    fputs("\",", stdout);
+}

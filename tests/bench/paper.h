@@ -1,0 +1,34 @@
+/* The paper's models and what its tables print about them: Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based
+ * data structures", Tables 1 to 4. */
+#ifndef TESTS_BENCH_PAPER_H
+#define TESTS_BENCH_PAPER_H
+
+#include <stdint.h>
+
+enum structure { HALF_EDGE, EDGE_BASED, STRUCTURES };
+
+struct paper_figures {
+    struct {
+        uint32_t faces;
+        double mean, sigma, max, min; /* edge lengths */
+    } edges;                          /* Table 1 */
+    double produced[STRUCTURES];      /* Table 2 */
+    double kept[STRUCTURES];          /* Table 3 */
+    double seconds[STRUCTURES];       /* Table 4 */
+};
+
+struct paper_model {
+    const char *name;
+    const char *sample; /* ours of that size and kind, for bench_open */
+    uint32_t sources;   /* the paper has 100 throughout */
+    uint32_t targets;   /* sources of the table of Property 5 */
+    const struct paper_figures *printed;
+};
+
+extern const struct paper_model paper_models[];
+extern const uint32_t paper_model_count;
+
+/* NULL when there is none of that name. */
+const struct paper_model *paper_find(const char *name);
+
+#endif

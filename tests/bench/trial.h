@@ -1,0 +1,24 @@
+/* Trial: one propagation from one source with chosen methods, timed and counted. */
+#ifndef TESTS_BENCH_TRIAL_H
+#define TESTS_BENCH_TRIAL_H
+
+#include "wedge/wavefront.h"
+
+struct trial_request {
+    struct gd_point source;
+    const struct gd_point *target; /* stop when its distance is final; NULL: the whole mesh */
+    struct gd__methods methods;
+    double *distances; /* receives the distance at every vertex index, NAN at unreferenced ones; may be NULL */
+};
+
+struct trial {
+    double ms;                       /* processor time of propagation, without the merge at the end */
+    uint64_t produced;               /* windows offered to the lists */
+    uint64_t propagated;             /* windows propagated across a face */
+    uint64_t kept_half, kept_merged; /* in the end: in the lists of the sides; in one merged list an edge */
+};
+
+/* Ends the program on failure. */
+struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *request);
+
+#endif

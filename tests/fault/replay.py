@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Power cuts: one scenario's changes to the data folder are recorded (record.c); for each prefix of them the folder is
+made as it may be after a power cut at that moment. Then --check-store finds no fault, the daemon starts, and every change
+that was acknowledged before is there.
+
+What is lost in a cut is what was not synced:
+    none     all of it: contents since the file's last fsync, names since their folder's
+    mixed    any part of it: each write, and each name, by the toss of a coin
+    all      nothing (as after a kill)
+
+    tests/fault/replay.py [--step N] [--mixed N] [--seed N]
+"""
+import argparse
+import os
+import pathlib
+import random
+import re
+import shutil
+import sys
+import tempfile
+
+from common import Ledger, Shimmed, build_shim, check, edges, mesh
+
+HEAD = re.compile(rb"(\w) (\d+) (-?\d+) \[(.*?)\] \[(.*?)\]\n")
+
+
+# --- the scenario -------------------------------------------------------------------------------------------------------
+
+
+def mark(log, text):
+    """An entry of our own, between those of the daemon. It answers after its syncs: so the order is right."""
+    with open(log, "ab") as file:
+        file.write(b"A 0 0 [%s] []\n" % text.encode())
+
+
+def scenario(root, log, library):
+    """Creates, replacements by other and by the same contents, shared contents, deletes; a restart in the middle."""
+    steps = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b", None, 0), ("a", None, 0),
+             ("d", 2.5, 70000), ("b", 0.875, 300), None, ("c", 3.5, 0), ("a", 1.5, 0), ("d", None, 0), ("a", 4.5, 20000)]
+    environment = {"RECORD_ROOT": str(root), "RECORD_LOG": str(log)}
+    daemon = Shimmed(root, library=library, environment=environment)
+    for step in steps:
+        if step is None:
+            daemon.stop()
+            daemon = Shimmed(root, library=library, environment=environment)
+            continue
+        name, edge, padding = step
+        mark(log, f"begin {name} {edge}")
+        answer = daemon.request("DELETE", f"/v1/meshes/{name}") if edge is None else daemon.put(name, mesh(edge, padding))
+        assert answer.status in (200, 201, 204), answer
+        mark(log, f"end {name} {edge}")
+    daemon.stop()
+
+
+def read_log(log):
+    data, at, entries = log.read_bytes(), 0, []
+    while at < len(data):
+        head = HEAD.match(data, at)
+        kind, size, number = head[1].decode(), int(head[2]), int(head[3])
+        entries.append((kind, number, head[4].decode(), head[5].decode(), data[head.end() : head.end() + size]))
+        at = head.end() + size
+    return entries
+
+
+# --- a file system that forgets -----------------------------------------------------------------------------------------
+
+
+class File:
+    """Contents as they are on the disk, and the writes since."""
+
+    def __init__(self):
+        self.durable, self.pending = b"", []
+
+    @staticmethod
+    def applied(content, changes):
+        content = bytearray(content)
+        for at, data in changes:
+            if data is None:  # truncate
+                del content[at:]
+                content.extend(bytes(at - len(content)))
+            else:
+                content.extend(bytes(max(0, at - len(content))))
+                content[at : at + len(data)] = data
+        return bytes(content)
+
+    def sync(self):
+        self.durable, self.pending = self.applied(self.durable, self.pending), []
+
+    def content(self, lost, chance):
+        kept = {"none": [], "all": self.pending}.get(lost)
+        return self.applied(self.durable, [c for c in self.pending if chance.random() < 0.5] if kept is None else kept)
+
+
+class Folder:
+    def __init__(self):
+        self.durable, self.now = {}, {}
+
+    def sync(self):
+        self.durable = dict(self.now)
+
+    def names(self, lost, chance):
+        if lost != "mixed":
+            return self.durable if lost == "none" else self.now
+        both = {name: (self.durable.get(name), self.now.get(name)) for name in {*self.durable, *self.now}}
+        chosen = {name: before if before is after or chance.random() < 0.5 else after
+                  for name, (before, after) in both.items()}
+        return {name: node for name, node in chosen.items() if node}
+
+
+class Disk:
+    def __init__(self, root):
+        self.base, self.top = pathlib.Path(root), Folder()
+
+    def folder(self, path):
+        node = self.top
+        for part in path.relative_to(self.base).parts:
+            node = node.now[part]
+        return node
+
+    def place(self, text):
+        path = pathlib.Path(text)
+        return self.folder(path.parent), path.name
+
+    def play(self, kind, number, first, second, data):
+        if kind == "A" or first == str(self.base):
+            if kind == "S":
+                self.top.sync()
+            return
+        if kind in "WTS" and first.endswith(" (deleted)"):
+            return
+        folder, name = self.place(first)
+        if kind == "C":
+            folder.now[name] = File()
+        elif kind == "M":
+            folder.now[name] = Folder()
+        elif kind in "WT":
+            folder.now[name].pending.append((number, data if kind == "W" else None))
+        elif kind == "S":
+            folder.now[name].sync()
+        elif kind in "UD":
+            del folder.now[name]
+        else:
+            other, other_name = self.place(second)
+            other.now[other_name] = folder.now[name]
+            if kind == "R":
+                del folder.now[name]
+
+    def write(self, root, lost, chance):
+        """Makes the folder as it is after a cut."""
+        def write_folder(folder, path):
+            path.mkdir()
+            for name, node in folder.names(lost, chance).items():
+                if isinstance(node, Folder):
+                    write_folder(node, path / name)
+                elif not name.endswith("-shm"):  # memory of the process that SQLite makes anew
+                    (path / name).write_bytes(node.content(lost, chance))
+
+        write_folder(self.top, pathlib.Path(root))
+
+
+# --- the trial ----------------------------------------------------------------------------------------------------------
+
+
+def follow(ledger, text):
+    act, name, edge = text.split()
+    (ledger.begin if act == "begin" else ledger.end)(name, None if edge == "None" else float(edge))
+
+
+def trial(disk, ledger, place, lost, chance):
+    """What is wrong after a cut at this moment."""
+    folder = place / "cut"
+    disk.write(folder, lost, chance)
+    result = check(folder)
+    wrong = [result.stdout] if result.returncode else []
+    try:
+        daemon = Shimmed(folder)
+        wrong += ledger.faults(edges(daemon))
+        daemon.kill()
+    except RuntimeError as failure:
+        wrong.append(str(failure))
+    shutil.rmtree(folder)
+    return wrong
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--step", type=int, default=8, help="every STEPth prefix")
+    arguments.add_argument("--mixed", type=int, default=1, help="how many mixtures of each")
+    arguments.add_argument("--seed", type=int, default=1)
+    options = arguments.parse_args()
+    chance, ledger, wrong, cuts, prefixes = random.Random(options.seed), Ledger(), [], 0, 0
+    with tempfile.TemporaryDirectory() as text:
+        place = pathlib.Path(os.path.realpath(text))
+        root, log = place / "data", place / "log"
+        root.mkdir()
+        scenario(root, log, build_shim("record", place))
+        entries = read_log(log)
+        disk = Disk(root)
+        for number, (kind, at, first, second, data) in enumerate(entries):
+            disk.play(kind, at, first, second, data)
+            if kind == "A":
+                follow(ledger, first)
+            if number % options.step and number != len(entries) - 1:
+                continue
+            prefixes += 1
+            for lost in ["none", "all"] + ["mixed"] * options.mixed:
+                cuts += 1
+                wrong += [(number, lost, fault) for fault in trial(disk, ledger, place, lost, chance)]
+    for fault in wrong[:20]:
+        print(f"wrong: {fault}")
+    print(f"# power cuts: {prefixes} of {len(entries)} prefixes, {cuts} cuts, {len(wrong)} lost, torn or unable to start")
+    print("not ok replay" if wrong else "ok replay")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,264 @@
+#include "folder.h"
+
+#include "server/store.h"
+
+struct fixture {
+    char folder[FOLDER_PATH];
+    struct server_store *store;
+};
+
+static void open_store(struct fixture *fixture)
+{
+    char error[512] = "";
+    fixture->store = server_store_local_open(fixture->folder, error, sizeof error);
+    if (!fixture->store) fail_msg("%s", error);
+}
+
+static void close_store(struct fixture *fixture)
+{
+    if (fixture->store) fixture->store->close(fixture->store);
+    fixture->store = NULL;
+}
+
+static int set_up(void **state)
+{
+    struct fixture *fixture = calloc(1, sizeof *fixture);
+    char root[FOLDER_PATH];
+    folder_make(root);
+    assert_true(snprintf(fixture->folder, sizeof fixture->folder, "%.200s/some/where", root) > 0);
+    open_store(fixture);
+    *state = fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    close_store(fixture);
+    fixture->folder[strlen(fixture->folder) - strlen("/some/where")] = '\0';
+    folder_remove(fixture->folder);
+    free(fixture);
+    return 0;
+}
+
+static enum server_store_outcome put(struct fixture *fixture, const char *name, const char *bytes)
+{
+    struct server_record *record = new_record(name, bytes);
+    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, bytes);
+    server_record_release(record);
+    return outcome;
+}
+
+static enum server_store_outcome drop(struct fixture *fixture, const char *name, const char *bytes)
+{
+    struct server_record *record = new_record(name, bytes);
+    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record);
+    server_record_release(record);
+    return outcome;
+}
+
+static enum server_store_outcome fetch(struct fixture *fixture, const char *bytes)
+{
+    struct server_record *record = new_record("any", bytes);
+    void *found = NULL;
+    enum server_store_outcome outcome = fixture->store->fetch(fixture->store, record, &found);
+    if (!outcome) assert_memory_equal(found, bytes, strlen(bytes));
+    free(found);
+    server_record_release(record);
+    return outcome;
+}
+
+struct listing {
+    char text[256]; /* "name=uses " of each */
+};
+
+static bool on_record(void *user, struct server_record *record, const struct server_store_uses *uses)
+{
+    struct listing *listing = user;
+    size_t size = strlen(listing->text);
+    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", record->name, (int)uses->count);
+    return true;
+}
+
+/* Closes, opens, and tells what is there. */
+static void assert_holds(struct fixture *fixture, const char *expected)
+{
+    struct listing listing = {""};
+    close_store(fixture);
+    open_store(fixture);
+    fixture->store->each(fixture->store, on_record, &listing);
+    assert_string_equal(listing.text, expected);
+}
+
+static void path_in(const struct fixture *fixture, char path[SERVER_DISK_PATH], const char *name)
+{
+    snprintf(path, SERVER_DISK_PATH, "%s/%s", fixture->folder, name);
+}
+
+static void object_path(const struct fixture *fixture, char path[SERVER_DISK_PATH], const char *bytes)
+{
+    char sha256[SERVER_SHA256_HEX];
+    server_sha256(bytes, strlen(bytes), sha256);
+    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", fixture->folder, sha256, sha256);
+}
+
+static void write_over(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "r+e");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static void keeps_in_order(void **state)
+{
+    struct fixture *fixture = *state;
+    assert_holds(fixture, "");
+    static const char *const names[] = {"m", "b", "z", "B", "bb", "-"};
+    for (size_t i = 0; i < COUNT(names); i++) assert_int_equal(put(fixture, names[i], names[i]), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "z", "z"), SERVER_STORE_DONE);
+    assert_int_equal(put(fixture, "m", "other"), SERVER_STORE_DONE);
+    assert_holds(fixture, "-=0 B=0 b=0 bb=0 m=0 ");
+    assert_int_equal(fetch(fixture, "other"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "bb"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "z"), SERVER_STORE_ABSENT);
+    assert_int_equal(fetch(fixture, "m"), SERVER_STORE_ABSENT);
+}
+
+static void shares_bytes(void **state)
+{
+    struct fixture *fixture = *state;
+    put(fixture, "a", "same");
+    put(fixture, "b", "same");
+    drop(fixture, "a", "same");
+    assert_int_equal(fetch(fixture, "same"), SERVER_STORE_DONE);
+    put(fixture, "b", "other");
+    assert_int_equal(fetch(fixture, "same"), SERVER_STORE_ABSENT);
+}
+
+static void remembers_uses(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_record *a = new_record("a", "1"), *b = new_record("b", "2");
+    const struct server_record *records[] = {a, b};
+    const struct server_store_uses uses[] = {{3, 100}, {70, 200}};
+    put(fixture, "a", "1");
+    put(fixture, "b", "2");
+    fixture->store->note_uses(fixture->store, records, uses, 2);
+    assert_holds(fixture, "a=3 b=70 ");
+    server_record_release(a);
+    server_record_release(b);
+}
+
+static void finds_damaged_bytes_and_takes_them_again(void **state)
+{
+    struct fixture *fixture = *state;
+    char path[SERVER_DISK_PATH];
+    struct server_record *record = new_record("a", "some bytes");
+    put(fixture, "a", "some bytes");
+    object_path(fixture, path, "some bytes");
+    write_over(path, "x");
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
+    assert_int_equal(fixture->store->keep(fixture->store, record, "some bytes"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
+    assert_int_equal(truncate(path, 3), 0);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
+    assert_int_equal(put(fixture, "b", "some bytes"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
+    server_record_release(record);
+}
+
+static void one_process_a_folder(void **state)
+{
+    struct fixture *fixture = *state;
+    char error[512] = "";
+    assert_null(server_store_local_open(fixture->folder, error, sizeof error));
+    assert_non_null(strstr(error, "in use by another geodesicd"));
+    assert_null(server_store_local_open("/dev/null/data", error, sizeof error));
+    assert_non_null(strstr(error, "/dev/null/data"));
+}
+
+static void a_damaged_database_is_made_again(void **state)
+{
+    struct fixture *fixture = *state;
+    char path[SERVER_DISK_PATH];
+    put(fixture, "a", "1");
+    put(fixture, "b", "2");
+    close_store(fixture);
+    path_in(fixture, path, "geodesicd.db");
+    write_over(path, "this is no database at all, and never was one");
+    assert_holds(fixture, "a=0 b=0 ");
+    assert_null(fixture->store->health(fixture->store));
+    assert_int_equal(put(fixture, "c", "3"), SERVER_STORE_DONE);
+    close_store(fixture);
+    assert_int_equal(remove(path), 0);
+    assert_holds(fixture, "a=0 b=0 c=0 ");
+}
+
+static void a_manifest_is_made_again_from_its_row(void **state)
+{
+    struct fixture *fixture = *state;
+    char path[SERVER_DISK_PATH];
+    put(fixture, "a", "1");
+    put(fixture, "b", "2");
+    close_store(fixture);
+    path_in(fixture, path, "manifests/a.manifest");
+    write_over(path, "nonsense");
+    path_in(fixture, path, "manifests/b.manifest");
+    assert_int_equal(remove(path), 0);
+    assert_holds(fixture, "a=0 b=0 ");
+    close_store(fixture);
+    path_in(fixture, path, "geodesicd.db");
+    assert_int_equal(remove(path), 0);
+    assert_holds(fixture, "a=0 b=0 ");
+}
+
+static void without_row_and_manifest_a_name_is_lost_and_no_other(void **state)
+{
+    struct fixture *fixture = *state;
+    char path[SERVER_DISK_PATH];
+    put(fixture, "a", "1");
+    put(fixture, "b", "2");
+    close_store(fixture);
+    path_in(fixture, path, "manifests/a.manifest");
+    write_over(path, "nonsense");
+    path_in(fixture, path, "geodesicd.db");
+    assert_int_equal(remove(path), 0);
+    assert_holds(fixture, "b=0 ");
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE); /* its bytes are kept */
+    assert_holds(fixture, "b=0 ");
+}
+
+static void what_nothing_refers_to_is_collected(void **state)
+{
+    struct fixture *fixture = *state;
+    char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH];
+    put(fixture, "a", "1");
+    object_path(fixture, from, "1");
+    snprintf(to, sizeof to, "%.*s%062d", (int)(strrchr(from, '/') + 3 - from), from, 0);
+    assert_int_equal(link(from, to), 0);
+    path_in(fixture, from, "temporary/77");
+    assert_int_equal(link(to, from), 0);
+    assert_holds(fixture, "a=0 ");
+    assert_int_not_equal(access(to, F_OK), 0);
+    assert_int_not_equal(access(from, F_OK), 0);
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(keeps_in_order),
+        TEST(shares_bytes),
+        TEST(remembers_uses),
+        TEST(finds_damaged_bytes_and_takes_them_again),
+        TEST(one_process_a_folder),
+        TEST(a_damaged_database_is_made_again),
+        TEST(a_manifest_is_made_again_from_its_row),
+        TEST(without_row_and_manifest_a_name_is_lost_and_no_other),
+        TEST(what_nothing_refers_to_is_collected),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
