@@ -44,7 +44,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -187,6 +187,9 @@ $(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(wildcard cli
 FUZZ_SECONDS ?= 60
 FUZZ_BUILD   := $(BUILD)/fuzz
 FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
+# Faults: short forms here, the long ones under `make torture`.
+FAULT_TESTS   = tests/fault/kill.py tests/fault/replay.py tests/fault/disk.py tests/fault/flip.py
+
 FUZZ_SHORT    = tests/fuzz/run.py --seconds 30 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 FUZZ_TARGETS := $(patsubst tests/fuzz/fuzz_%.c,%,$(FUZZERS))
 
@@ -194,8 +197,15 @@ fuzz-build:
 	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
 	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
-$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(LIB_PROTO) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) -ljansson
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+
+torture: build ## the fault tests in their long forms (an hour)
+	@tests/run.py --jobs 1 --timeout 7200 "tests/fault/kill.py --loops 500" "tests/fault/replay.py --step 1" "tests/fault/disk.py" \
+	    "tests/fault/flip.py --flips 2000"
+
+bench: $(BUILD)/gd_bench ## the paper's tables remade, and the speed of fields and pairs
+	$(BUILD)/gd_bench ablation
 
 sweep: $(BUILD)/gd_sweep ## the engine against CGAL on every shared mesh (minutes; wants libcgal-dev)
 	$(BUILD)/gd_sweep --sources 20 $(wildcard $(SWEEP_SHARED)/*.obj)

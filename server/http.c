@@ -269,7 +269,7 @@ struct server_http *server_http_start(struct server *server, int listening, uint
 }
 
 /* MHD_quiesce_daemon and a thread of the library that wakes at that moment both take the listening socket out of the
- * thread's epoll set, and the second of the two aborts the program (0.9.75; once in two thousand stops, as measured).
+ * thread's epoll set, and the second of the two aborts the program (0.9.75; one stop in three thousand, as measured).
  * So the socket is closed under the library's number for it, where a silent one takes its place: the kernel itself takes
  * a closed socket out of every set. */
 void server_http_quiesce(struct server_http *http)

@@ -70,7 +70,7 @@ static bool read_options(const char *text, struct proto_mesh_options *out)
     struct proto_problem problem;
     if (!split_pairs(text, &pairs)) return false;
     const struct proto_parameters parameters = {.get = pairs_get, .each = pairs_each, .user = &pairs};
-    return proto_mesh_options_parse(&parameters, out, &problem);
+    return proto_mesh_options_parse(&parameters, out, &problem) && out->format != GD_FORMAT_ANY;
 }
 
 /* --- life --------------------------------------------------------------------------------------------------------- */

@@ -69,7 +69,8 @@ static enum gd_status check_edges(const struct gd_field *field)
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t side = 0; side < 2 * mesh->edge_count; side++) {
         double through = field->distance[mesh->origin[side]] + mesh->side[side].length;
-        if (through <= field->reach && field->distance[mesh->origin[side ^ 1]] > through * (1 + GD_TOL_CHECK)) return GD_INTERNAL;
+        if (through <= field->reach && field->distance[mesh->origin[side ^ 1]] > through * (1 + GD_TOL_CHECK))
+            return GD_INTERNAL;
     }
     return GD_OK;
 }
