@@ -201,7 +201,7 @@ $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(LIB_SERVER) $(LIB_PROTO) $
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
 torture: build ## the fault tests in their long forms (an hour)
-	@tests/run.py --jobs 1 --timeout 7200 "tests/fault/kill.py --loops 500" "tests/fault/replay.py --step 1" "tests/fault/disk.py" \
+	@tests/run.py --jobs 1 --timeout 7200 "tests/fault/kill.py --loops 500" "tests/fault/replay.py --step 1 --mixed 4" "tests/fault/disk.py" \
 	    "tests/fault/flip.py --flips 2000"
 
 bench: $(BUILD)/gd_bench ## the paper's tables remade, and the speed of fields and pairs

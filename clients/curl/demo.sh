@@ -24,7 +24,7 @@ address() {
 }
 
 start_daemon() {
-    nohup "$build/geodesicd" "$@" </dev/null >"$run/log" 2>&1 &
+    nohup "$build/geodesicd" --data-dir "$run/data" "$@" </dev/null >"$run/log" 2>&1 &
     echo $! >"$run/pid"
     for _ in $(seq 100); do
         [ -z "$(address)" ] || return 0
