@@ -76,7 +76,7 @@ serve: build ## run the daemon in the foreground
 test: setup ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench
 	@$(MAKE) --no-print-directory -j2 asan-build
-	@$(MAKE) --no-print-directory fuzz-build
+	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@$(MAKE) --no-print-directory check-layers
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)"
