@@ -52,6 +52,9 @@
  * the length changes by its square. Well above what unfolding a thousand faces rounds away. */
 #define GD_TOL_SNAP 1e-10
 
+/* ... and up to this part when the finer snap leads past the source: a ray that begins at a wedge's stored end (2^-32 of the edge) is off by more. */
+#define GD_TOL_SNAP_MOST 1e-7
+
 /* A traced ray has reached its pseudo-source when the image lies this close to it, relative to the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 

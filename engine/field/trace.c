@@ -11,6 +11,7 @@ struct trace {
     const struct gd_mesh *mesh;
     struct gd_path path;
     uint32_t capacity;
+    double snap;         /* part of an edge within which a crossing is at its end */
     uint64_t steps_left; /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
     enum gd_status status;
 };
@@ -67,11 +68,12 @@ static struct gd_point vertex_point(uint32_t vertex)
 }
 
 /* The point at parameter t of a side; the edge's end when it is within rounding of it. */
-static struct gd_point side_point(const struct gd_mesh *mesh, uint32_t side, double t)
+static struct gd_point side_point(const struct trace *trace, uint32_t side, double t)
 {
+    const struct gd_mesh *mesh = trace->mesh;
     double length = mesh->side[side].length;
-    if (t <= GD_TOL_SNAP * length) return vertex_point(mesh->origin[side]);
-    if (t >= (1 - GD_TOL_SNAP) * length) return vertex_point(mesh->origin[side ^ 1]);
+    if (t <= trace->snap * length) return vertex_point(mesh->origin[side]);
+    if (t >= (1 - trace->snap) * length) return vertex_point(mesh->origin[side ^ 1]);
     double weight = t / length;
     return (struct gd_point){.kind = GD_POINT_EDGE, .element = side >> 1, .weight = {side & 1 ? 1 - weight : weight}};
 }
@@ -140,7 +142,7 @@ static struct stop follow(struct trace *trace, struct ray ray)
 {
     const struct gd_mesh *mesh = trace->mesh;
     while (trace->steps_left-- && !trace->status) {
-        struct gd_point crossing = side_point(mesh, ray.side, ray.t);
+        struct gd_point crossing = side_point(trace, ray.side, ray.t);
         append_in_face(trace, crossing, mesh->side_face[ray.side]);
         if (crossing.kind == GD_POINT_VERTEX) return stop_at(crossing);
         uint32_t entry = ray.side ^ 1;
@@ -178,7 +180,7 @@ static struct stop go_from_vertex(struct trace *trace, uint32_t vertex)
     if (birth.side == GD_NONE) return go_along_edge(trace, vertex, birth.source);
     const struct gd_side *s = &mesh->side[birth.side];
     if (birth.source == GD_NONE) {
-        struct gd_point bend = side_point(mesh, birth.side, birth.x);
+        struct gd_point bend = side_point(trace, birth.side, birth.x);
         append_in_face(trace, bend, mesh->side_face[birth.side]);
         return stop_at(bend);
     }
@@ -201,7 +203,7 @@ static struct stop go_by_leg(struct trace *trace, const struct gd__leg *leg)
         return (struct stop){.kind = STOP_SEED};
     case GD__LEG_WEDGE:
         if (leg->source == GD_NONE) {
-            struct gd_point bend = side_point(trace->mesh, leg->side, leg->parameter);
+            struct gd_point bend = side_point(trace, leg->side, leg->parameter);
             append_in_face(trace, bend, leg->face);
             return stop_at(bend);
         }
@@ -244,17 +246,18 @@ static double seed_offset(const struct trace *trace)
     return least;
 }
 
-enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+/* One attempt; on success the path is the caller's, its length and the distance agree. */
+static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
+                               double snap, struct gd_path *out)
 {
     const struct gd_mesh *mesh = field->mesh;
-    struct gd__leg leg = gd__field_leg(field, point);
-    if (leg.distance > field->reach) return GD_BEYOND_REACH;
-    if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
-    struct trace trace = {
-        .field = field, .mesh = mesh, .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
-    trace_back(&trace, point, &leg);
-    double offset = seed_offset(&trace), slack = GD_TOL_CHECK * leg.distance + GD_TOL_BETTER;
-    if (!trace.status && !(fabs(trace.path.length + offset - leg.distance) <= slack)) trace.status = GD_INTERNAL;
+    struct trace trace = {.field = field,
+                          .mesh = mesh,
+                          .snap = snap,
+                          .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
+    trace_back(&trace, point, leg);
+    double offset = seed_offset(&trace), slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
+    if (!trace.status && !(fabs(trace.path.length + offset - leg->distance) <= slack)) trace.status = GD_INTERNAL;
     if (trace.status) {
         gd_path_free(&trace.path);
         return trace.status;
@@ -262,6 +265,17 @@ enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point
     trace.path.length *= mesh->unit;
     *out = trace.path;
     return GD_OK;
+}
+
+enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+{
+    struct gd__leg leg = gd__field_leg(field, point);
+    if (leg.distance > field->reach) return GD_BEYOND_REACH;
+    if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
+    enum gd_status status = GD_INTERNAL;
+    for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
+        status = try_path(field, point, &leg, snap, out);
+    return status;
 }
 
 void gd_path_free(struct gd_path *path)
