@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs fuzz targets from their corpora for a while each, two at a time.
 
-usage: tests/fuzz/run.py --seconds N PROGRAM...
+usage: tests/fuzz/run.py --seconds N [--seed N] PROGRAM...
 
 fuzz_NAME starts from tests/fuzz/corpus/NAME, which it does not change. Prints `ok NAME` or `not ok NAME` with executions and coverage; what a
 target found is left in the program's folder.
@@ -15,11 +15,12 @@ import subprocess
 import sys
 
 
-def fuzz(program, seconds):
+def fuzz(program, seconds, seed):
     name = program.name.removeprefix("fuzz_")
     grown = program.parent / "corpus" / name
     grown.mkdir(parents=True, exist_ok=True)
-    command = [program.resolve(), f"-max_total_time={seconds}", "-max_len=4096", "-timeout=5", "-rss_limit_mb=1024",
+    bound = f"-max_total_time={seconds}" if seconds else "-runs=0"
+    command = [program.resolve(), bound, f"-seed={seed}", "-max_len=4096", "-timeout=5", "-rss_limit_mb=1024",
                f"-artifact_prefix={program.parent.resolve()}/{name}-", grown.resolve(),
                pathlib.Path("tests/fuzz/corpus", name).resolve()]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -32,12 +33,13 @@ def fuzz(program, seconds):
 
 def main():
     arguments = argparse.ArgumentParser()
-    arguments.add_argument("--seconds", type=int, default=60)
+    arguments.add_argument("--seconds", type=int, default=60, help="0: replay the corpus only")
+    arguments.add_argument("--seed", type=int, default=0, help="0: another one each time")
     arguments.add_argument("programs", nargs="+", type=pathlib.Path)
     options = arguments.parse_args()
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for name, status, figures, output in pool.map(lambda p: fuzz(p, options.seconds), options.programs):
+        for name, status, figures, output in pool.map(lambda p: fuzz(p, options.seconds, options.seed), options.programs):
             print(f"{'not ok' if status else 'ok'} fuzz_{name}")
             print(f"# fuzz_{name}: {figures}")
             if status:
