@@ -79,7 +79,8 @@ struct gd__leg {
     uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED: the seed */
     uint32_t side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0 */
     double parameter, x, y;
-    uint32_t source; /* GD_NONE: the leg is clamped to the wedge's end, the path bends there */
+    uint32_t
+        source; /* the wedge's. A leg clamped to the wedge's end bends at `parameter` and goes on to the same source */
 };
 
 /* The best leg to a point over all faces that contain it. */

@@ -69,8 +69,7 @@ static void try_wedge(double sigma, double x, double y, double b0, double b1, st
     double dx = at.x - x, dy = at.y + y, straight2 = dx * dx + dy * dy, room = best->distance - sigma;
     if (room <= 0 || straight2 >= room * room) return;
     double t = dy > 0 ? x + dx * (y / dy) : at.x, distance;
-    bool bent = t < b0 || t > b1;
-    if (bent) {
+    if (t < b0 || t > b1) { /* round the wedge's nearer end */
         t = t < b0 ? b0 : b1;
         double ex = t - x, fx = at.x - t;
         distance = sigma + sqrt(ex * ex + y * y) + sqrt(fx * fx + at.y * at.y);
@@ -85,7 +84,7 @@ static void try_wedge(double sigma, double x, double y, double b0, double b1, st
                              .parameter = t,
                              .x = x,
                              .y = y,
-                             .source = bent ? GD_NONE : source};
+                             .source = source};
 }
 
 static void try_side(const struct gd_field *field, uint32_t face, uint32_t side, struct gd__local at,

@@ -202,11 +202,6 @@ static struct stop go_by_leg(struct trace *trace, const struct gd__leg *leg)
         append_in_face(trace, trace->field->seeds[leg->from].point, leg->face);
         return (struct stop){.kind = STOP_SEED};
     case GD__LEG_WEDGE:
-        if (leg->source == GD_NONE) {
-            struct gd_point bend = side_point(trace, leg->side, leg->parameter);
-            append_in_face(trace, bend, leg->face);
-            return stop_at(bend);
-        }
         return follow(
             trace,
             (struct ray){.side = leg->side, .source = leg->source, .t = leg->parameter, .x = leg->x, .y = leg->y});
