@@ -1,11 +1,9 @@
-/* Fuzzes the readers, and the writers behind them. The first byte picks the format (modulo their number, 0: recognise), the rest is the
- * file. Whatever is read must keep its promises and survive the way through every writer that keeps doubles. */
+/* What the fuzzers of the readers share: whatever is read must keep its promises and survive the way through every writer that keeps
+ * doubles. */
+#include "reader.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "gd/io.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* A violated promise ends the run: the fuzzer keeps the input. */
 static void require(int promise)
@@ -54,14 +52,12 @@ static void check_round_trip(const struct gd_polygons *polygons, enum gd_format 
     gd_polygons_free(&back);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size)
 {
     static const struct gd_read_limits limits = {.max_faces = 4096, .max_vertices = 4096};
-    if (size == 0) return 0;
-    enum gd_format format = (enum gd_format)(data[0] % (GD_FORMAT_JSON + 1));
     struct gd_polygons polygons;
     struct gd_detail detail = {.text = ""};
-    enum gd_status status = gd_read_polygons(data + 1, size - 1, format, &limits, &polygons, &detail);
+    enum gd_status status = gd_read_polygons(data, size, format, &limits, &polygons, &detail);
     if (status != GD_OK) {
         require(detail.text[0] != '\0' && status != GD_INTERNAL);
         return 0;
