@@ -44,7 +44,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench torture lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-plots torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -74,11 +74,12 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 test: setup ## set up and run all tests
-	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench
+	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@$(MAKE) --no-print-directory check-layers
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
+	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 test-unit: test-build ## the C tests only
@@ -132,6 +133,12 @@ $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
 	@rm -f $@
 	$(AR) rcs $@ $(filter %.o,$^)
 
+# One source, compiled for several machines; the daemon chooses when it starts (engine/wedge/cpu.c).
+ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
+$(BUILD)/obj/engine/wedge/kernel_avx2.c.o: CFLAGS += -mavx2
+$(BUILD)/obj/engine/wedge/kernel_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
+endif
+
 $(BUILD)/obj/%.c.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
@@ -160,6 +167,10 @@ SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:f
 $(BUILD)/obj/tests/oracle/cgal_distances.cc.o: CXXFLAGS += -frounding-math
 $(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+
+$(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tests/bench/%.c,peer options input alter measure) \
+                          tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE)
+	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
 $(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
@@ -206,8 +217,17 @@ torture: build ## the fault tests in their long forms (an hour)
 	@tests/run.py --jobs 1 --timeout 7200 "tests/fault/kill.py --loops 500" "tests/fault/replay.py --step 1 --mixed 4" "tests/fault/disk.py" \
 	    "tests/fault/flip.py --flips 2000"
 
-bench: $(BUILD)/gd_bench ## the paper's tables remade, and the speed of fields and pairs
+bench: $(BUILD)/gd_bench ## measure the engine: a table, and bench.json (3 minutes)
+	tests/bench/table.py --build $(BUILD)
+
+bench-paper: $(BUILD)/gd_bench ## the paper's tables remade
 	$(BUILD)/gd_bench ablation
+
+bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal ## race CGAL, and VTP=... LIBIGL=... EXPERIMENT=... (see tests/bench/peers.py)
+	tests/bench/peers.py --build $(BUILD)
+
+bench-plots: $(BUILD)/gd_bench ## cost against mesh size, as SVG (MAX_FACES=300000)
+	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)
 
 sweep: $(BUILD)/gd_sweep ## the engine against CGAL on every shared mesh (minutes; wants libcgal-dev)
 	$(BUILD)/gd_sweep --sources 20 $(wildcard $(SWEEP_SHARED)/*.obj)

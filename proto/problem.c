@@ -157,17 +157,23 @@ static enum proto_problem_code code_of(enum gd_status status)
     case GD_OK:
     case GD_BEYOND_REACH:
     case GD_INTERNAL:
+    case GD_RUNAWAY:
         break;
     }
     return PROTO_PROBLEM_INTERNAL;
 }
 
+static bool set_internal(struct proto_problem *problem, enum gd_status status)
+{
+    return proto_problem_set(problem, PROTO_PROBLEM_INTERNAL, "%s; please report it with the request",
+                             status == GD_RUNAWAY ? gd_status_sentence(status)
+                                                  : "a self-check failed and the answer was withheld");
+}
+
 bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status, const struct gd_detail *detail)
 {
     enum proto_problem_code code = code_of(status);
-    if (code == PROTO_PROBLEM_INTERNAL)
-        return proto_problem_set(problem, code,
-                                 "a self-check failed and the answer was withheld; please report it with the request");
+    if (code == PROTO_PROBLEM_INTERNAL) return set_internal(problem, status);
     const char *sentence = detail && detail->text[0] ? detail->text : gd_status_sentence(status);
     proto_problem_set(problem, code, "%s", sentence);
     if (code == PROTO_PROBLEM_INVALID_MESH) problem->reason = gd_status_name(status);

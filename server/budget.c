@@ -81,7 +81,8 @@ static size_t reclaimable(struct server_budget *budget)
 size_t server_budget_available(struct server_budget *budget)
 {
     size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
-    size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]);
+    size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 

@@ -33,8 +33,8 @@ struct option {
     size_t offset;        /* of the member in struct server_config */
     uint64_t least, most; /* KIND_COUNT, KIND_BYTES */
     const char *standard; /* default, as it would be typed; NULL: none, or found at run time */
-    const char *const
-        *words; /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum that counts them */
+    const char *const *
+        words; /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum or unsigned that counts them */
 };
 
 static const char *const levels[] = {
@@ -42,6 +42,7 @@ static const char *const levels[] = {
     SERVER_LOG_LEVELS(LEVEL_NAME)
 #undef LEVEL_NAME
         NULL};
+const char *const server_config_cpus[] = {"auto", "baseline", "avx2", "avx512", NULL};
 static const char *const stores[] = {[SERVER_STORE_KIND_LOCAL] = "local", [SERVER_STORE_KIND_MEMORY] = "memory", NULL};
 
 #define MEMBER(member) offsetof(struct server_config, member)
@@ -57,8 +58,14 @@ static const struct option options[] = {
      256, NULL, NULL},
     {"queue-length", "N", "requests that may wait for a worker before others get 503", KIND_COUNT, MEMBER(queue_length),
      1, 1000000, "256", NULL},
-    {"memory-budget", "BYTES", "most memory for meshes, fields and work in flight", KIND_BYTES, MEMBER(memory_budget),
-     1 << 20, UINT64_C(1) << 50, "4GiB", NULL},
+    {"cpu", "NAME",
+     "instructions of the kernels: auto (the best that the machine has), baseline, avx2 or avx512; answers are the "
+     "same",
+     KIND_CHOICE, MEMBER(cpu), 0, 0, "auto", server_config_cpus},
+    {"memory-budget", "BYTES",
+     "most memory for meshes, fields and work; a 16th of it, 256MiB at most, is set aside for the memory of released "
+     "fields, which the next ones take",
+     KIND_BYTES, MEMBER(memory_budget), 1 << 20, UINT64_C(1) << 50, "4GiB", NULL},
     {"max-body", "BYTES", "largest request body", KIND_BYTES, MEMBER(max_body), 1 << 10, UINT64_C(1) << 40, "256MiB",
      NULL},
     {"max-faces", "N", "most triangles of a mesh", KIND_COUNT, MEMBER(max_faces), 1, 1 << 30, "10000000", NULL},

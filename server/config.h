@@ -14,6 +14,9 @@
 
 #define SERVER_CONFIG_PATH 3000
 
+/* What --cpu may name, NULL-terminated: see gd/cpu.h. */
+extern const char *const server_config_cpus[];
+
 enum server_store_kind { SERVER_STORE_KIND_LOCAL, SERVER_STORE_KIND_MEMORY };
 
 struct server_config {
@@ -25,6 +28,7 @@ struct server_config {
     uint64_t workers;       /* threads that parse, build and propagate */
     uint64_t http_threads;  /* threads that speak HTTP */
     uint64_t queue_length;  /* requests that may wait for a worker */
+    unsigned cpu;           /* index of server_config_cpus */
     uint64_t memory_budget; /* bytes */
     uint64_t max_body;      /* bytes */
     uint64_t max_faces;     /* triangles */

@@ -219,6 +219,9 @@ static void refuse(struct server_job *job, enum server_refusal why)
     case SERVER_REFUSAL_INTERNAL:
         (void)proto_problem_from_status(&problem, GD_INTERNAL, NULL);
         break;
+    case SERVER_REFUSAL_RUNAWAY:
+        (void)proto_problem_from_status(&problem, GD_RUNAWAY, NULL);
+        break;
     }
     server_reply_problem(exchange, &problem);
     finish(exchange);

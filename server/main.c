@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gd/cpu.h"
 #include "server/config.h"
 #include "server/log.h"
 #include "server/server.h"
@@ -38,6 +39,7 @@ static void log_address(const struct server_address *address)
     if (!server_log_begin(&line, SERVER_LOG_INFO, "listening")) return;
     server_log_text(&line, "address", text);
     server_log_text(&line, "version", SERVER_VERSION);
+    server_log_text(&line, "cpu", gd_cpu_name());
     server_log_end(&line);
 }
 

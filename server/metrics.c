@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "gd/control.h"
+#include "gd/cpu.h"
 #include "server/server.h"
 #include "server/version.h"
 
@@ -233,7 +234,7 @@ static void write_store(struct server *server, struct proto_writer *writer)
 
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
-    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes", "fields", "flight"};
+    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes", "fields", "flight", "workspaces", "spare"};
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
@@ -243,11 +244,12 @@ static void write_memory(struct server *server, struct proto_writer *writer)
 
 static void write_process(const struct server_metrics *metrics, struct proto_writer *writer)
 {
-    write_head(writer, "build_info", "gauge", "The program's version.");
-    proto_append_format(writer, "geodesicd_build_info{version=\"" SERVER_VERSION "\"} 1\n");
+    write_head(writer, "build_info", "gauge", "The program's version and the instructions that its kernels use.");
+    proto_append_format(writer, "geodesicd_build_info{version=\"" SERVER_VERSION "\",cpu=\"%s\"} 1\n", gd_cpu_name());
     write_one(writer, "uptime_seconds", "gauge", "Time since the start.",
               (double)(gd_now_ns() - metrics->started_ns) / 1e9);
-    write_one(writer, "failed_checks_total", "counter", "Answers withheld because a self-check failed.",
+    write_one(writer, "failed_checks_total", "counter",
+              "Answers withheld because a self-check failed or the work ran away.",
               (double)atomic_load(&metrics->failed_checks));
 }
 

@@ -21,7 +21,7 @@ void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route, unsigned status,
                           uint64_t nanoseconds);
 
-/* Counts a failed self-check. */
+/* Counts a failed self-check, or work that ran away. */
 void server_metrics_count_failed_check(struct server_metrics *metrics);
 
 /* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */

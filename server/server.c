@@ -7,13 +7,16 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "gd/cpu.h"
 #include "server/field_store.h"
 #include "server/http.h"
 #include "server/keeper.h"
 #include "server/timekeeper.h"
 
 #define PERSIST_NS      UINT64_C(10000000000) /* for writing fields, which can be computed again */
-#define LAST_ANSWERS_NS UINT64_C(2000000000)  /* for the answers to leave, once there is nothing left to compute */
+#define SPARE_PART      16 /* of the memory budget: what is set aside for the memory of released fields */
+#define SPARE_MOST      ((size_t)256 << 20)
+#define LAST_ANSWERS_NS UINT64_C(2000000000) /* for the answers to leave, once there is nothing left to compute */
 
 /* Frees what there is of a server whose HTTP side does not run. */
 static void destroy(struct server *server)
@@ -25,6 +28,8 @@ static void destroy(struct server *server)
     server_loads_destroy(server->loads);
     server_cache_destroy(server->cache);
     server_workers_destroy(server->workers);
+    server_workspaces_destroy(server->workspaces);
+    gd_spare_memory(0);
     server_metrics_destroy(server->metrics);
     free(server);
 }
@@ -48,16 +53,35 @@ static bool create_registry(struct server *server, char *error, size_t error_siz
     return server->fields != NULL;
 }
 
+static bool select_cpu(const struct server_config *config, char *error, size_t error_size)
+{
+    const char *name = server_config_cpus[config->cpu];
+    if (gd_cpu_select(name) == GD_OK) return true;
+    snprintf(error, error_size, "this machine lacks the instructions that --cpu %s asks for; write auto or baseline",
+             name);
+    return false;
+}
+
+/* The memory of released fields counts whether it is there or not: so that it may come and go without being asked for. */
+static bool set_spare_aside(struct server *server)
+{
+    size_t part = server->budget.limit / SPARE_PART, bytes = part < SPARE_MOST ? part : SPARE_MOST;
+    gd_spare_memory(bytes);
+    return server_budget_take(&server->budget, SERVER_BUDGET_SPARE, bytes);
+}
+
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
     server->guard.config = config;
     server_budget_init(&server->budget, config->memory_budget);
+    if (!set_spare_aside(server)) return false;
+    server->workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
     server->workers = server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);
     if (server->workers) server->cache = server_cache_create(&server->budget, server->workers);
     if (server->workers) server->loads = server_loads_create(server->workers);
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
-    if (!server->cache || !server->loads || !server->metrics) return false;
+    if (!server->workspaces || !server->cache || !server->loads || !server->metrics) return false;
     if (!create_registry(server, error, error_size)) return false;
     server->timekeeper = server_timekeeper_create(server);
     server->keeper = server_keeper_create(server);
@@ -78,7 +102,9 @@ struct server *server_start(const struct server_config *config, char *error, siz
     struct server *server = calloc(1, sizeof *server);
     if (!server) return NULL;
     server->config = *config;
-    if (create_parts(server, error, error_size) && listen_on(server, error, error_size)) return server;
+    if (select_cpu(config, error, error_size) && create_parts(server, error, error_size) &&
+        listen_on(server, error, error_size))
+        return server;
     if (server->workers) server_workers_cancel(server->workers);
     destroy(server);
     return NULL;

@@ -1,7 +1,8 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, budget, workers, cache, loads, store and registry,
- * field store, metrics, timekeeper, keeper, http. Workers, cache, loads and timekeeper have a lock each, the registry two;
+ * DESIGN. Order of parts, each knowing only those before it: config, budget, workspaces, workers, cache, loads, store and
+ * registry, field store, metrics, timekeeper, keeper, http. Workspaces, workers, cache, loads and timekeeper have a lock each,
+ * the registry two;
  * the only ones held together are the registry's writer lock, its slots' lock and the cache's, in that order. Budget and
  * metrics are atomic.
  *
@@ -23,6 +24,7 @@
 #include "server/metrics.h"
 #include "server/registry.h"
 #include "server/workers.h"
+#include "server/workspaces.h"
 
 struct server_http;
 struct server_timekeeper;
@@ -33,6 +35,7 @@ struct server {
     struct server_config config;
     struct server_guard guard;
     struct server_budget budget;
+    struct server_workspaces *workspaces;
     struct server_workers *workers;
     struct server_cache *cache;
     struct server_loads *loads;

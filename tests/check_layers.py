@@ -15,8 +15,9 @@ PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number"],
     "mesh": ["mesh", "point", "locate"],
     "io": ["io"],
+    "wedge": ["cpu", "workspace"],
     "field": ["field", "path"],
-    "query": ["query"],
+    "query": ["query", "landmarks"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}
 

@@ -1,7 +1,8 @@
 #include "base/pool.h"
 
 #include <stdlib.h>
-#include <sys/mman.h>
+
+#include "base/large.h"
 
 #define CHUNK_FIRST ((size_t)64 << 10)
 #define CHUNK_LAST  ((size_t)64 << 20)
@@ -14,19 +15,42 @@ struct gd__pool_chunk {
 
 #define CHUNK_HEADER 64 /* keeps blocks on cache lines */
 
+/* Blocks come from this chunk now. */
+static void adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
+{
+    pool->chunks = chunk;
+    pool->bytes += chunk->size;
+    pool->cursor = (char *)chunk + CHUNK_HEADER;
+    pool->end = (char *)chunk + chunk->size;
+}
+
 void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead)
 {
     *pool = (struct gd__pool){.item_size = item_size, .control = control, .overhead = overhead};
 }
 
+static void free_chunks(struct gd__pool_chunk *chunk)
+{
+    while (chunk) {
+        struct gd__pool_chunk *next = chunk->next;
+        free(chunk);
+        chunk = next;
+    }
+}
+
 void gd__pool_destroy(struct gd__pool *pool)
 {
-    while (pool->chunks) {
-        struct gd__pool_chunk *next = pool->chunks->next;
-        free(pool->chunks);
-        pool->chunks = next;
-    }
+    free_chunks(pool->chunks);
     *pool = (struct gd__pool){0};
+}
+
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead)
+{
+    struct gd__pool_chunk *largest = pool->chunks; /* the newest */
+    if (largest) free_chunks(largest->next);
+    if (largest) largest->next = NULL;
+    gd__pool_init(pool, item_size, control, overhead);
+    if (largest) adopt(pool, largest);
 }
 
 /* Each chunk is as large as all before it together, within bounds; large ones lie on huge pages, which saves most page faults. */
@@ -43,14 +67,10 @@ static enum gd_status grow(struct gd__pool *pool, size_t need)
     size_t size = next_chunk_size(pool, need);
     enum gd_status status = gd_control_afford(pool->control, pool->overhead + pool->bytes + size);
     if (status) return status;
-    struct gd__pool_chunk *chunk = aligned_alloc(size >= HUGE_PAGE ? HUGE_PAGE : 64, size);
+    struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;
-    if (size >= HUGE_PAGE) madvise(chunk, size, MADV_HUGEPAGE);
     *chunk = (struct gd__pool_chunk){.next = pool->chunks, .size = size};
-    pool->chunks = chunk;
-    pool->bytes += size;
-    pool->cursor = (char *)chunk + CHUNK_HEADER;
-    pool->end = (char *)chunk + size;
+    adopt(pool, chunk);
     return GD_OK;
 }
 
@@ -61,7 +81,7 @@ void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
         pool->free_blocks[size_class] = *(void **)block;
         return block;
     }
-    size_t size = pool->item_size << size_class;
+    size_t size = pool->item_size * gd__pool_items(size_class);
     if ((size_t)(pool->end - pool->cursor) < size) {
         enum gd_status status = grow(pool, size);
         if (status) {

@@ -1,4 +1,4 @@
-/* Pool: blocks of 2^k items from few large chunks, each size with its own free list; everything is given back at once.
+/* Pool: blocks of so many items from few large chunks, each size with its own free list; everything is given back at once.
  *
  * One owner, one thread. Blocks are never moved. A block may be released and is then reused for the same size; destroying the pool frees all. */
 #ifndef GD_BASE_POOL_H
@@ -27,13 +27,22 @@ struct gd__pool {
 void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Smallest class whose blocks hold `count` items: a block of class k holds 2^k. */
-static inline uint32_t gd__pool_class(uint32_t count)
+/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the largest chunk. An all-zero pool will do. */
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead);
+
+/* Items of a block: 1 to 16 of them, then powers of two. */
+static inline uint32_t gd__pool_items(uint32_t size_class)
 {
-    return count <= 4 ? 2 : 32 - (uint32_t)__builtin_clz(count - 1);
+    return size_class < 16 ? size_class + 1 : 16u << (size_class - 15);
 }
 
-/* A block of 2^size_class items, uninitialised; NULL when out of memory or budget (pool->status says which). */
+/* Smallest class whose blocks hold `count` >= 1 items. */
+static inline uint32_t gd__pool_class(uint32_t count)
+{
+    return count <= 16 ? count - 1 : 47 - (uint32_t)__builtin_clz((count - 1) >> 4);
+}
+
+/* A block of gd__pool_items(size_class) items, uninitialised; NULL when out of memory or budget (pool->status says which). */
 void *gd__pool_take(struct gd__pool *pool, uint32_t size_class);
 
 void gd__pool_release(struct gd__pool *pool, void *block, uint32_t size_class);

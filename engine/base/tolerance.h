@@ -71,6 +71,12 @@
  * computed, printed or stored, 8 ulps. */
 #define GD_TOL_LOCATE 1.8e-15
 
+/* Bounds that prune a search are rounded to the safe side by this part, and by this part of the coordinates: far more than their own rounding. */
+#define GD_TOL_BOUND 1e-12
+
+/* Rounding of a distance that is kept as a float. */
+#define GD_TOL_FLOAT 6e-8
+
 /* Coordinates and extents beyond this and its inverse are refused: their squares leave the range of doubles. */
 #define GD_EXTENT_MAX 1e150
 

@@ -58,7 +58,7 @@ size_t gd__field_bytes(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     return sizeof *field + mesh->vertex_count * (sizeof *field->distance + sizeof *field->birth) +
-           ((size_t)mesh->edge_count + 1) * sizeof *field->first + field->statistics.wedges * sizeof *field->wedges +
+           mesh->edge_count * sizeof *field->newest + field->wedge_bytes +
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
 
@@ -72,6 +72,29 @@ static enum gd_status check_edges(const struct gd_field *field)
         if (through <= field->reach && field->distance[mesh->origin[side ^ 1]] > through * (1 + GD_TOL_CHECK))
             return GD_INTERNAL;
     }
+    return GD_OK;
+}
+
+enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+{
+    (void)executor;
+    struct gd_field *field = user;
+    field->statistics = (struct gd_field_statistics){.windows_created = front->effort.windows_created,
+                                                     .windows_propagated = front->effort.windows_propagated,
+                                                     .wedges = front->wedge_count,
+                                                     .sides_propagated = front->effort.sides_propagated,
+                                                     .vertices_emitted = front->effort.vertices_emitted};
+    field->reach = front->bound;
+    struct gd_workspace *work = front->work;
+    field->distance = work->distance;
+    field->birth = work->birth;
+    field->newest = work->newest;
+    field->wedge_bytes = work->wedges.used;
+    field->kept = gd__region_close(&work->wedges);
+    field->wedges = field->kept.base;
+    work->distance = NULL;
+    work->birth = NULL;
+    work->newest = NULL;
     return GD_OK;
 }
 
@@ -117,8 +140,8 @@ static void free_arrays(struct gd_field *field)
 {
     free(field->distance);
     free(field->birth);
-    free(field->first);
-    free(field->wedges);
+    free(field->newest);
+    gd__region_release(&field->kept);
     free(field->seeds);
 }
 

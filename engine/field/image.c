@@ -6,14 +6,14 @@
 /* An image: a header, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct layout below. */
 
 static const char magic[8] = "GDFIELD";
-static const uint32_t version = 1; /* of this layout and of the numbering that a mesh gives its elements */
+static const uint32_t version = 2; /* of this layout and of the numbering that a mesh gives its elements */
 static const uint32_t byte_order = 0x01020304;
 
 struct header {
     char magic[8];
     uint32_t version, byte_order;
     uint64_t fingerprint; /* of the mesh */
-    uint64_t wedge_count;
+    uint64_t wedge_bytes; /* of all chunks */
     uint32_t vertex_count, edge_count, seed_count, reserved;
     double reach;
     struct gd_field_statistics statistics;
@@ -21,7 +21,7 @@ struct header {
 
 /* Where the arrays begin, and the size of the whole. */
 struct layout {
-    size_t distance, birth, first, wedges, seeds, size;
+    size_t distance, birth, newest, wedges, seeds, size;
 };
 
 static size_t place(size_t *end, size_t count, size_t item)
@@ -31,14 +31,14 @@ static size_t place(size_t *end, size_t count, size_t item)
     return begin;
 }
 
-static struct layout layout_of(size_t vertices, size_t edges, size_t wedges, size_t seeds)
+static struct layout layout_of(size_t vertices, size_t edges, size_t wedge_bytes, size_t seeds)
 {
     struct layout l;
     size_t end = sizeof(struct header);
     l.distance = place(&end, vertices, sizeof(double));
     l.birth = place(&end, vertices, sizeof(struct gd__birth));
-    l.first = place(&end, edges + 1, sizeof(uint32_t));
-    l.wedges = place(&end, wedges, sizeof(struct gd__wedge));
+    l.newest = place(&end, edges, sizeof(uint32_t));
+    l.wedges = place(&end, wedge_bytes, 1);
     l.seeds = place(&end, seeds, sizeof(struct gd__seed));
     l.size = end;
     return l;
@@ -58,7 +58,7 @@ static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
 }
 
 /* Tells meshes apart whose elements are numbered or placed differently: positions and the origins of the sides say both. */
-static uint64_t fingerprint_of(const struct gd_mesh *mesh)
+uint64_t gd__mesh_fingerprint(const struct gd_mesh *mesh)
 {
     uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};
     uint64_t hash = mix(mix(0, counts, 3), &mesh->unit, 1);
@@ -68,7 +68,7 @@ static uint64_t fingerprint_of(const struct gd_mesh *mesh)
 
 static struct layout layout_of_field(const struct gd_field *field)
 {
-    return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->statistics.wedges, field->seed_count);
+    return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->wedge_bytes, field->seed_count);
 }
 
 size_t gd_field_image_size(const struct gd_field *field)
@@ -83,8 +83,8 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
     char *image = memset(bytes, 0, l.size); /* the gaps too: the same field gives the same bytes */
     struct header header = {.version = version,
                             .byte_order = byte_order,
-                            .fingerprint = fingerprint_of(mesh),
-                            .wedge_count = field->statistics.wedges,
+                            .fingerprint = gd__mesh_fingerprint(mesh),
+                            .wedge_bytes = field->wedge_bytes,
                             .vertex_count = mesh->vertex_count,
                             .edge_count = mesh->edge_count,
                             .seed_count = field->seed_count,
@@ -94,8 +94,8 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
     memcpy(image, &header, sizeof header);
     memcpy(image + l.distance, field->distance, mesh->vertex_count * sizeof *field->distance);
     memcpy(image + l.birth, field->birth, mesh->vertex_count * sizeof *field->birth);
-    memcpy(image + l.first, field->first, ((size_t)mesh->edge_count + 1) * sizeof *field->first);
-    memcpy(image + l.wedges, field->wedges, field->statistics.wedges * sizeof *field->wedges);
+    memcpy(image + l.newest, field->newest, mesh->edge_count * sizeof *field->newest);
+    memcpy(image + l.wedges, field->wedges, field->wedge_bytes);
     memcpy(image + l.seeds, field->seeds, field->seed_count * sizeof *field->seeds);
 }
 
@@ -110,12 +110,12 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
         return gd_fail(detail, GD_UNRECOGNIZED, "the image has version %u, this program reads version %u",
                        header->version, version);
     if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
-        header->fingerprint != fingerprint_of(mesh))
+        header->fingerprint != gd__mesh_fingerprint(mesh))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
-    if (header->wedge_count >= UINT32_MAX || header->seed_count == 0 ||
+    if (header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 || header->seed_count == 0 ||
         header->seed_count > size / sizeof(struct gd__seed))
         return gd_fail(detail, GD_INDEX, "the image's counts are impossible");
-    if (layout_of(header->vertex_count, header->edge_count, header->wedge_count, header->seed_count).size != size)
+    if (layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count).size != size)
         return gd_fail(detail, GD_TRUNCATED, "the image's size is not what its counts make");
     return GD_OK;
 }
@@ -150,35 +150,54 @@ static bool is_birth(const struct gd_field *field, uint32_t vertex)
     return birth->source >= mesh->vertex_count || gd__side_between(mesh, vertex, birth->source) != GD_NONE;
 }
 
+/* A chunk that lies within the wedges and whose sources exist; takes its bytes from *left. */
+static bool is_chunk(const struct gd_field *field, uint32_t at, uint64_t *left)
+{
+    uint64_t begin = (uint64_t)at * GD__CHUNK_UNIT, bytes = sizeof(struct gd__chunk);
+    if (begin + bytes > field->wedge_bytes) return false;
+    const struct gd__chunk *chunk = gd__field_chunk(field, at);
+    bytes += (uint64_t)chunk->count * GD__WEDGE_BYTES;
+    if (begin + bytes > field->wedge_bytes || bytes > *left) return false;
+    *left -= bytes;
+    struct gd__wedges wedges = gd__chunk_wedges(chunk);
+    for (uint32_t i = 0; i < chunk->count; i++)
+        if (!is_source(field, gd__wedge_source(wedges.start[i]))) return false;
+    return chunk->previous == GD_NONE || chunk->previous < at;
+}
+
+/* All chains together hold no more than all wedges: no chunk is in two of them. */
+static bool are_chains_sound(const struct gd_field *field)
+{
+    uint64_t left = field->wedge_bytes;
+    for (uint32_t e = 0; e < field->mesh->edge_count; e++)
+        for (uint32_t at = field->newest[e]; at != GD_NONE; at = gd__field_chunk(field, at)->previous)
+            if (!is_chunk(field, at, &left)) return false;
+    return true;
+}
+
 static bool are_indices_sound(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
-    uint64_t wedges = field->statistics.wedges;
     for (uint32_t i = 0; i < field->seed_count; i++)
         if (!is_point(mesh, &field->seeds[i].point)) return false;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (!is_birth(field, v)) return false;
-    for (uint32_t e = 0; e < mesh->edge_count; e++)
-        if (field->first[e] > field->first[e + 1]) return false;
-    if (field->first[0] != 0 || field->first[mesh->edge_count] != wedges) return false;
-    for (uint64_t i = 0; i < wedges; i++)
-        if (!is_source(field, field->wedges[i].source)) return false;
-    return true;
+    return are_chains_sound(field);
 }
 
 /* The arrays are only read: a field is immutable once built. */
 static void point_into(struct gd_field *field, const char *image, const struct header *header)
 {
-    struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_count, header->seed_count);
+    struct layout l = layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count);
     field->is_image = true;
     field->reach = header->reach;
     field->seed_count = header->seed_count;
     field->statistics = header->statistics;
-    field->statistics.wedges = header->wedge_count;
+    field->wedge_bytes = header->wedge_bytes;
     field->distance = (double *)(image + l.distance);
     field->birth = (struct gd__birth *)(image + l.birth);
-    field->first = (uint32_t *)(image + l.first);
-    field->wedges = (struct gd__wedge *)(image + l.wedges);
+    field->newest = (uint32_t *)(image + l.newest);
+    field->wedges = (char *)image + l.wedges;
     field->seeds = (struct gd__seed *)(image + l.seeds);
 }
 

@@ -1,6 +1,6 @@
-/* A field from the inside: final-stage wedges, one sorted list an edge, 24 bytes a wedge.
+/* A field from the inside: final-stage wedges, a chain of chunks an edge (wedge/wedges.h), in the order in which they were made.
  *
- * Inside unit and numbering of the mesh. A wedge reaches to where the next one of its edge begins, the last one to the edge's end. */
+ * Inside unit and numbering of the mesh. */
 #ifndef GD_FIELD_LAYOUT_H
 #define GD_FIELD_LAYOUT_H
 
@@ -8,14 +8,6 @@
 
 #include "gd/field.h"
 #include "wedge/wavefront.h"
-
-struct gd__wedge {
-    double x,
-        y; /* pseudo-source in the frame of side 0 of the edge; the sign of y tells on which side of the edge it lies */
-    uint32_t b0; /* start: parameter / length in units of 2^-32 */
-    uint32_t
-        source; /* pseudo-source: a vertex, or vertex_count + number of the seed; GD_NONE: a gap, covered by the edge's ends */
-};
 
 /* A seed that is not at a vertex, by a face that contains it. */
 struct gd__face_seed {
@@ -28,8 +20,10 @@ struct gd_field {
     double reach;            /* inside unit; GD__FAR: complete */
     double *distance;        /* per vertex */
     struct gd__birth *birth; /* per vertex */
-    uint32_t *first;         /* per edge and one more: its wedges */
-    struct gd__wedge *wedges;
+    uint32_t *newest;        /* per edge: its newest chunk, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
+    char *wedges;            /* chunks */
+    size_t wedge_bytes;
+    struct gd__kept kept; /* their memory; empty for an image */
     struct gd__seed *seeds;
     uint32_t seed_count;
     struct gd__face_seed *face_seeds; /* sorted by face */
@@ -41,15 +35,19 @@ struct gd_field {
     bool is_image; /* the arrays lie in an image and are not the field's to free */
 };
 
-#define GD__WEDGE_UNIT (1.0 / 4294967296.0) /* of the edge's length */
-
 static inline double gd__field_sigma(const struct gd_field *field, uint32_t source)
 {
     uint32_t vertices = field->mesh->vertex_count;
     return source < vertices ? field->distance[source] : field->seeds[source - vertices].offset;
 }
 
-/* compact.c: the sink that keeps wedges: merges the two sides of every edge into one list and packs it into the field. */
+/* The chunk at an offset that is not GD_NONE. */
+static inline const struct gd__chunk *gd__field_chunk(const struct gd_field *field, uint32_t at)
+{
+    return (const struct gd__chunk *)(field->wedges + (size_t)at * GD__CHUNK_UNIT);
+}
+
+/* field.c: the sink that keeps all: the wavefront's wedges, distances and births become the field's. */
 enum gd_status gd__field_take(void *field, struct gd__wavefront *front, const struct gd_executor *executor);
 
 /* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory. */
@@ -57,6 +55,9 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
 /* field.c: fills face_seeds from the seeds. GD_NO_MEMORY. */
 enum gd_status gd__field_index_seeds(struct gd_field *field);
+
+/* image.c: tells meshes apart whose elements are numbered or placed differently. */
+uint64_t gd__mesh_fingerprint(const struct gd_mesh *mesh);
 
 /* field.c: what the arrays take. */
 size_t gd__field_bytes(const struct gd_field *field);

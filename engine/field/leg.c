@@ -87,27 +87,32 @@ static void try_wedge(double sigma, double x, double y, double b0, double b1, st
                              .source = source};
 }
 
+/* The wedges of a chunk of a side's edge whose source lies across the side. */
+static void try_chunk(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t face, uint32_t side,
+                      struct gd__local at, struct gd__leg *best)
+{
+    double length = field->mesh->side[side].length, unit = length * GD__WEDGE_UNIT;
+    struct gd__wedges wedges = gd__chunk_wedges(chunk);
+    uint32_t across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        struct gd__window w = gd__wedge_window(wedges, chunk->count, i, length);
+        if (w.source == GD_NONE || w.tags != across) continue;
+        if (across) w = gd__window_mirrored(&w, length);
+        /* ends are stored to one unit: a crossing of the edge within two of them counts as inside, where a neighbour is as short */
+        w.b0 = fmax(w.b0 - 2 * unit, 0);
+        w.b1 = fmin(w.b1 + 2 * unit, length);
+        try_wedge(gd__field_sigma(field, w.source), w.x, w.y, w.b0, w.b1, at, best, face, side, w.source);
+    }
+}
+
 static void try_side(const struct gd_field *field, uint32_t face, uint32_t side, struct gd__local at,
                      struct gd__leg *best)
 {
-    uint32_t edge = side >> 1, first = field->first[edge], end = field->first[edge + 1];
-    double length = field->mesh->side[side].length, unit = length * GD__WEDGE_UNIT;
-    bool reversed = side & 1;
-    for (uint32_t i = first; i < end; i++) {
-        const struct gd__wedge *w = &field->wedges[i];
-        if (w->source == GD_NONE || (reversed ? w->y < 0 : w->y > 0) || (w->y == 0 && !!signbit(w->y) == reversed))
-            continue;
-        double b0 = w->b0 * unit, b1 = i + 1 < end ? w[1].b0 * unit : length, x = w->x;
-        if (reversed) {
-            double begin = length - b1;
-            b1 = length - b0;
-            b0 = begin;
-            x = length - x;
-        }
-        /* ends are stored to one unit: a crossing of the edge within two of them counts as inside, where a neighbour is as short */
-        b0 = fmax(b0 - 2 * unit, 0);
-        b1 = fmin(b1 + 2 * unit, length);
-        try_wedge(gd__field_sigma(field, w->source), x, fabs(w->y), b0, b1, at, best, face, side, w->source);
+    uint32_t next = field->newest[side >> 1];
+    while (next != GD_NONE) {
+        const struct gd__chunk *chunk = gd__field_chunk(field, next);
+        try_chunk(field, chunk, face, side, at, best);
+        next = chunk->previous;
     }
 }
 

@@ -1,30 +1,80 @@
 #include "field/layout.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-/* A stored wedge in the caller's terms: parameters from the edge's lower-numbered vertex, in the caller's unit. */
-static struct gd_wedge export_wedge(const struct gd_field *field, uint32_t edge, uint32_t index, bool reversed)
+/* The wedges of an edge as one list: its chunks merged by contest, as the paper's final stage has them. */
+
+struct merger {
+    struct gd__stack list, chunk, merged;
+};
+
+static void close_merger(struct merger *merger)
 {
-    const struct gd_mesh *mesh = field->mesh;
-    const struct gd__wedge *w = &field->wedges[index];
-    double length = mesh->side[2 * edge].length, step = length * GD__WEDGE_UNIT;
-    double b0 = w->b0 * step, b1 = index + 1 < field->first[edge + 1] ? w[1].b0 * step : length, x = w->x;
-    if (reversed) {
-        double begin = length - b1;
-        b1 = length - b0;
-        b0 = begin;
-        x = length - x;
+    gd__stack_destroy(&merger->list);
+    gd__stack_destroy(&merger->chunk);
+    gd__stack_destroy(&merger->merged);
+}
+
+static enum gd_status merge_chunk(const struct gd_field *field, const struct gd__chunk *chunk, double length,
+                                  struct merger *m)
+{
+    enum gd_status status = gd__stack_reserve(&m->chunk, chunk->count + 1);
+    if (!status) status = gd__stack_reserve(&m->merged, gd__merged_bound(m->list.count, chunk->count));
+    if (status) return status;
+    m->chunk.count = m->merged.count = 0;
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+        if (w.source == GD_NONE) continue;
+        w.sigma = gd__field_sigma(field, w.source);
+        m->chunk.windows[m->chunk.count++] = w;
     }
-    bool at_vertex = w->source < mesh->vertex_count;
-    bool left = w->y > 0 || (w->y == 0 && !signbit(w->y)); /* of the edge as stored */
-    return (struct gd_wedge){.b0 = b0 * mesh->unit,
-                             .b1 = b1 * mesh->unit,
-                             .d0 = sqrt((b0 - x) * (b0 - x) + w->y * w->y) * mesh->unit,
-                             .d1 = sqrt((b1 - x) * (b1 - x) + w->y * w->y) * mesh->unit,
-                             .sigma = gd__field_sigma(field, w->source) * mesh->unit,
+    gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, GD_TOL_WIDTH * length, &m->merged);
+    struct gd__stack swap = m->list;
+    m->list = m->merged;
+    m->merged = swap;
+    return GD_OK;
+}
+
+static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, struct merger *m)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t at = field->newest[edge]; at != GD_NONE && !status;) {
+        const struct gd__chunk *chunk = gd__field_chunk(field, at);
+        status = merge_chunk(field, chunk, field->mesh->side[2 * edge].length, m);
+        at = chunk->previous;
+    }
+    return status;
+}
+
+/* A wedge in the caller's terms: parameters from the edge's lower-numbered vertex, in the caller's unit. */
+static struct gd_wedge export_wedge(const struct gd_mesh *mesh, double length, struct gd__window w, bool reversed)
+{
+    if (reversed) w = gd__window_mirrored(&w, length);
+    bool at_vertex = w.source < mesh->vertex_count, left = w.tags & GD__WINDOW_FAR_SIDE; /* of the edge as stored */
+    return (struct gd_wedge){.b0 = w.b0 * mesh->unit,
+                             .b1 = w.b1 * mesh->unit,
+                             .d0 = sqrt((w.b0 - w.x) * (w.b0 - w.x) + w.y * w.y) * mesh->unit,
+                             .d1 = sqrt((w.b1 - w.x) * (w.b1 - w.x) + w.y * w.y) * mesh->unit,
+                             .sigma = w.sigma * mesh->unit,
                              .tau = left != reversed,
                              .at_vertex = at_vertex,
-                             .source = at_vertex ? mesh->index_of_vertex[w->source] : w->source - mesh->vertex_count};
+                             .source = at_vertex ? mesh->index_of_vertex[w.source] : w.source - mesh->vertex_count};
+}
+
+static enum gd_status export_edge(const struct gd_field *field, uint32_t edge, const struct gd__stack *list,
+                                  struct gd_wedge **out, uint32_t *count)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    bool reversed = mesh->index_of_vertex[mesh->origin[2 * edge]] > mesh->index_of_vertex[mesh->origin[2 * edge + 1]];
+    struct gd_wedge *wedges = malloc(sizeof *wedges * ((size_t)list->count + 1));
+    if (!wedges) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < list->count; i++)
+        wedges[reversed ? list->count - 1 - i : i] =
+            export_wedge(mesh, mesh->side[2 * edge].length, list->windows[i], reversed);
+    *out = wedges;
+    *count = list->count;
+    return GD_OK;
 }
 
 enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a, struct gd_vertex b,
@@ -36,17 +86,9 @@ enum gd_status gd_field_wedges(const struct gd_field *field, struct gd_vertex a,
              vb = b.index < limit ? mesh->vertex_of_index[b.index] : GD_NONE;
     uint32_t side = va == GD_NONE || vb == GD_NONE ? GD_NONE : gd__side_between(mesh, va, vb);
     if (side == GD_NONE) return GD_NO_SUCH_EDGE;
-    uint32_t edge = side >> 1, first = field->first[edge], end = field->first[edge + 1], kept = 0;
-    uint32_t origin = mesh->index_of_vertex[mesh->origin[2 * edge]],
-             destination = mesh->index_of_vertex[mesh->origin[2 * edge + 1]];
-    bool reversed = origin > destination;
-    struct gd_wedge *wedges = malloc(sizeof *wedges * (end - first + 1));
-    if (!wedges) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < end - first; i++) {
-        uint32_t index = reversed ? end - 1 - i : first + i;
-        if (field->wedges[index].source != GD_NONE) wedges[kept++] = export_wedge(field, edge, index, reversed);
-    }
-    *out = wedges;
-    *count = kept;
-    return GD_OK;
+    struct merger merger = {0};
+    enum gd_status status = merge_edge(field, side >> 1, &merger);
+    if (!status) status = export_edge(field, side >> 1, &merger.list, out, count);
+    close_merger(&merger);
+    return status;
 }

@@ -29,7 +29,7 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
     uint32_t vertex = mesh->origin[start], entry = first, h = start;
     double angle = 0;
     do {
-        mesh->fan[entry] = (struct gd_fan){angle, h};
+        mesh->fan[entry] = (struct gd_fan){angle, h, gd__side_destination(mesh, h)};
         mesh->side_fan[h] = entry++;
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
         h = next_in_fan(mesh, h);

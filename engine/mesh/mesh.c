@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/large.h"
 #include "mesh/build.h"
 #include "mesh/bvh.h"
 
@@ -17,7 +18,7 @@ void *gd__mesh_array(struct gd_mesh *mesh, size_t count, size_t size)
 struct gd_side *gd__mesh_sides(struct gd_mesh *mesh, size_t count)
 {
     static_assert(sizeof(struct gd_side) == 64, "a side fills one cache line");
-    struct gd_side *sides = aligned_alloc(64, count * sizeof *sides);
+    struct gd_side *sides = gd__large_array(count, sizeof *sides);
     if (!sides) return NULL;
     mesh->bytes += count * sizeof *sides;
     return sides;
@@ -156,7 +157,7 @@ uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b)
 {
     uint32_t end = mesh->fan_first[a + 1];
     for (uint32_t i = mesh->fan_first[a]; i < end; i++) {
-        if (gd__side_destination(mesh, mesh->fan[i].side) == b) return mesh->fan[i].side;
+        if (mesh->fan[i].tip == b) return mesh->fan[i].side;
     }
     uint32_t last = mesh->side[mesh->fan[end - 1].side].left;
     return gd__side_destination(mesh, last) == b ? last : GD_NONE;

@@ -39,6 +39,7 @@ struct gd_fan {
     double
         angle; /* where the face begins, from the first entry's side; at a boundary vertex the first side is a boundary edge */
     uint32_t side; /* outgoing side, whose face this is */
+    uint32_t tip;  /* its other end */
 };
 
 struct gd_component {

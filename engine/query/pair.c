@@ -1,4 +1,4 @@
-#include "gd/query.h"
+#include "query/search.h"
 
 /* Point to point. The metric is symmetric, so a field of either end answers; a path is reversed when it was traced from `to`. */
 
@@ -40,15 +40,13 @@ enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_
 }
 
 enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                             bool want_path, const struct gd_control *control, struct gd_pair_answer *out,
-                             struct gd_detail *detail)
+                             bool want_path, const struct gd_landmarks *landmarks, const struct gd_control *control,
+                             struct gd_pair_answer *out, struct gd_detail *detail)
 {
-    struct gd_seed seed = {.point = *from};
-    struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .target = to};
-    struct gd_field *field;
-    enum gd_status status = gd_field_build(mesh, &request, control, NULL, &field, detail);
-    if (status) return status;
-    status = gd_pair_from_field(field, from, to, want_path, out);
-    gd_field_release(field);
-    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
+    struct gd_pair_answer answer = {0};
+    enum gd_status status = gd__search(mesh, from, to, want_path, landmarks, control, &answer);
+    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (answer.path.count) reverse(&answer.path);
+    *out = answer;
+    return GD_OK;
 }

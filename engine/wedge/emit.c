@@ -4,15 +4,13 @@
  * boundary vertex only the shadow cone behind it, where a path that bends there is locally shortest: at least pi on both sides of the ray
  * that came in. */
 
-static void deliver_one(struct gd__wavefront *front, uint32_t side, struct gd__window window)
+static void deliver_one(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
 {
-    if (gd__stack_reserve(&front->left, 4)) {
-        front->status = GD_NO_MEMORY;
-        return;
-    }
-    front->left.windows[0] = window;
-    front->left.count = 1;
-    gd__wavefront_deliver(front, side, &front->left);
+    if (!front->status) front->status = gd__children_reserve(&front->work->left, &front->work->pool, 1);
+    if (front->status) return;
+    gd__windows_put(&front->work->left.at, 0, window);
+    front->work->left.count = 1;
+    gd__wavefront_deliver(front, to, &front->work->left);
 }
 
 /* --- vertices ------------------------------------------------------------------------------------------------------------ */
@@ -26,15 +24,15 @@ static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
         const struct gd_side *s = &mesh->side[birth.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
         double rx = birth.x - px, ry = -birth.y - py, ox = -px, oy = -py;
-        uint32_t entry = mesh->side_fan[gd__side_previous(mesh, birth.side)];
+        uint32_t entry = mesh->fan_first[vertex], first = gd__side_previous(mesh, birth.side);
+        while (mesh->fan[entry].side != first) entry++;
         return mesh->fan[entry].angle + atan2(ox * ry - oy * rx, ox * rx + oy * ry);
     }
     uint32_t edge = GD_NONE;
     if (birth.source >= mesh->vertex_count) edge = front->seeds[birth.source - mesh->vertex_count].point.element;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
         uint32_t side = mesh->fan[i].side;
-        if (edge != GD_NONE ? side >> 1 == edge : gd__side_destination(mesh, side) == birth.source)
-            return mesh->fan[i].angle;
+        if (edge != GD_NONE ? side >> 1 == edge : mesh->fan[i].tip == birth.source) return mesh->fan[i].angle;
     }
     return mesh->total_angle[vertex]; /* the last boundary edge of the fan */
 }
@@ -45,10 +43,12 @@ static void reach_along_edge(struct gd__wavefront *front, uint32_t from, uint32_
     gd__wavefront_reach(front, to, front->distance[from] + length, birth);
 }
 
-/* Casts a window through fan entry `i` of the vertex, the part of it between the angles from and to (both from the entry's own side). */
-static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, const struct gd_side *s, double from,
+/* Casts a window through the face of a fan entry, the part of it between the angles from and to (both from the entry's own side). */
+static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, const struct gd_fan *fan, double from,
                               double to, double opening)
 {
+    const struct gd_mesh *mesh = front->mesh;
+    const struct gd_side *s = &mesh->side[fan->side];
     double length = s->right_length, px = s->left_length * s->left_x, py = s->left_length * s->left_y;
     double ax = px - s->length, b0 = 0,
            b1 = length; /* (ax, py): destination -> apex; the window's side runs the other way */
@@ -64,7 +64,14 @@ static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, cons
     if (b1 > length) b1 = length;
     if (b1 - b0 <= GD_TOL_WIDTH * length) return;
     struct gd__window window = {.b0 = b0, .b1 = b1, .x = x, .y = y, .sigma = front->distance[vertex], .source = vertex};
-    deliver_one(front, s->right, window);
+    uint32_t apex = fan + 1 < mesh->fan + mesh->fan_first[vertex + 1] ? fan[1].tip : mesh->origin[s->right];
+    struct gd__receiver receiver = {s->right,
+                                    length,
+                                    front->distance[apex],
+                                    front->distance[fan->tip],
+                                    gd__wavefront_rest(front, apex),
+                                    gd__wavefront_rest(front, fan->tip)};
+    deliver_one(front, &receiver, &window);
 }
 
 /* Emits into the directions [from, to] of the fan, 0 <= from <= to; an interior fan goes round (to may exceed the total angle). */
@@ -80,11 +87,11 @@ static void emit_cone(struct gd__wavefront *front, uint32_t vertex, double from,
             double begin = mesh->fan[i].angle + turn, stop = (i + 1 < end ? mesh->fan[i + 1].angle : total) + turn;
             if (stop < from - GD_TOL_CONE) continue;
             if (begin > to + GD_TOL_CONE) break;
-            const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+            const struct gd_fan *fan = &mesh->fan[i];
             if (interior && begin >= from - GD_TOL_CONE)
-                reach_along_edge(front, vertex, gd__side_destination(mesh, mesh->fan[i].side), s->length);
+                reach_along_edge(front, vertex, fan->tip, mesh->side[fan->side].length);
             if (stop <= from || begin >= to) continue;
-            emit_through_face(front, vertex, s, from - begin, to - begin, stop - begin);
+            emit_through_face(front, vertex, fan, from - begin, to - begin, stop - begin);
         }
     }
 }
@@ -95,7 +102,7 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     const struct gd_mesh *mesh = front->mesh;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
         uint32_t side = mesh->fan[i].side, last = gd__side_previous(mesh, side);
-        reach_along_edge(front, vertex, gd__side_destination(mesh, side), mesh->side[side].length);
+        reach_along_edge(front, vertex, mesh->fan[i].tip, mesh->side[side].length);
         if (gd__side_is_boundary(mesh, last ^ 1))
             reach_along_edge(front, vertex, mesh->origin[last], mesh->side[last].length);
     }
@@ -150,7 +157,14 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
                                 .y = at.y,
                                 .sigma = front->seeds[seed].offset,
                                 .source = front->mesh->vertex_count + seed};
-    deliver_one(front, side ^ 1, window);
+    uint32_t origin = front->mesh->origin[side ^ 1], destination = front->mesh->origin[side];
+    struct gd__receiver to = {side ^ 1,
+                              length,
+                              front->distance[origin],
+                              front->distance[destination],
+                              gd__wavefront_rest(front, origin),
+                              gd__wavefront_rest(front, destination)};
+    deliver_one(front, &to, &window);
 }
 
 /* Straight to the apex of `side`, a side of the seed's face. */

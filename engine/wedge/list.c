@@ -8,7 +8,7 @@
 enum gd_status gd__stack_reserve(struct gd__stack *stack, uint32_t capacity)
 {
     if (capacity <= stack->capacity) return GD_OK;
-    uint32_t grown = 1u << gd__pool_class(capacity);
+    uint32_t grown = capacity < 32 ? 32 : 2 * capacity;
     struct gd__window *windows = realloc(stack->windows, sizeof *windows * (size_t)grown);
     if (!windows) return GD_NO_MEMORY;
     stack->windows = windows;
@@ -20,6 +20,17 @@ void gd__stack_destroy(struct gd__stack *stack)
 {
     free(stack->windows);
     *stack = (struct gd__stack){0};
+}
+
+void gd__stack_load(struct gd__stack *stack, const struct gd__windows *windows, uint32_t first, uint32_t end)
+{
+    for (uint32_t i = first; i < end; i++) stack->windows[stack->count++] = gd__windows_get(windows, i);
+}
+
+void gd__scratch_destroy(struct gd__scratch *scratch)
+{
+    for (int i = 0; i < 3; i++) gd__stack_destroy(&scratch->stack[i]);
+    gd__window_builder_destroy(&scratch->tail);
 }
 
 /* Appends the piece [from, to] of a window; a piece that continues the last one of the same window lengthens it. */
@@ -159,113 +170,257 @@ static enum push contest_last(struct gd__stack *list, struct gd__window *w, doub
     return PUSH_GENERAL;
 }
 
+/* gd__stack_push of a window that is used up. It is handled where it lies: copied from memory it was just written to, it would be waited for. */
+static enum gd_status push(struct gd__stack *list, struct gd__window *w, double min_width, struct gd__stack *scratch)
+{
+    if (list->count && joins(&list->windows[list->count - 1], w, min_width)) {
+        struct gd__window *last = &list->windows[list->count - 1];
+        if (w->b1 > last->b1) last->b1 = w->b1;
+        return GD_OK;
+    }
+    enum push push = PUSH_AGAIN;
+    while (push == PUSH_AGAIN && list->count && w->b0 < list->windows[list->count - 1].b1 - min_width)
+        push = contest_last(list, w, min_width);
+    if (push == PUSH_GENERAL) return merge_into_tail(list, w, min_width, scratch);
+    if (push == PUSH_DONE || w->b1 - w->b0 <= min_width) return GD_OK;
+    enum gd_status status = gd__stack_reserve(list, list->count + 1);
+    if (status) return status;
+    struct gd__window *place = &list->windows[list->count++];
+    place->b0 = w->b0;
+    place->b1 = w->b1;
+    place->x = w->x;
+    place->y = w->y;
+    place->sigma = w->sigma;
+    place->source = w->source;
+    place->tags = w->tags;
+    return GD_OK;
+}
+
 enum gd_status gd__stack_push(struct gd__stack *list, const struct gd__window *window, double min_width,
                               struct gd__stack *scratch)
 {
     struct gd__window w = *window;
-    if (list->count && joins(&list->windows[list->count - 1], &w, min_width)) {
-        struct gd__window *last = &list->windows[list->count - 1];
-        if (w.b1 > last->b1) last->b1 = w.b1;
-        return GD_OK;
-    }
-    enum push push = PUSH_AGAIN;
-    while (push == PUSH_AGAIN && list->count && w.b0 < list->windows[list->count - 1].b1 - min_width)
-        push = contest_last(list, &w, min_width);
-    if (push == PUSH_GENERAL) return merge_into_tail(list, &w, min_width, scratch);
-    if (push == PUSH_DONE || w.b1 - w.b0 <= min_width) return GD_OK;
-    enum gd_status status = gd__stack_reserve(list, list->count + 1);
-    if (!status) list->windows[list->count++] = w;
-    return status;
+    return push(list, &w, min_width, scratch);
 }
 
-/* Part [from, to) of a side's list that `newer` overlaps; ends that only touch are cut to meet exactly. */
-struct range {
-    uint32_t from, to;
-};
+/* --- blocks -------------------------------------------------------------------------------------------------------------- */
 
-static struct range overlapped(const struct gd__list *list, struct gd__stack *newer, double min_width)
+static uint32_t class_for(uint32_t windows)
 {
-    const struct gd__window *windows = list->windows;
-    uint32_t count = list->count;
-    double begin = newer->windows[0].b0, end = newer->windows[newer->count - 1].b1;
-    if (begin >= windows[count - 1].b1 - min_width) {
-        if (begin < windows[count - 1].b1) newer->windows[0].b0 = windows[count - 1].b1;
-        return (struct range){count, count};
-    }
-    if (end <= windows[0].b0 + min_width) {
-        if (end > windows[0].b0) newer->windows[newer->count - 1].b1 = windows[0].b0;
-        return (struct range){0, 0};
-    }
-    struct range range = {0, count};
-    while (range.from < count && windows[range.from].b1 <= begin) range.from++;
-    while (range.to > range.from && windows[range.to - 1].b0 >= end) range.to--;
-    return range;
+    return gd__pool_class((windows + GD__WINDOWS_GROUP - 1) / GD__WINDOWS_GROUP);
 }
 
-/* Lengthens the neighbours of an insertion instead of inserting windows that see the same source. Returns how many of the inserted windows
- * were used up at the front (*front) and at the back (*back). */
-static void coalesce_neighbours(struct gd__list *list, struct range range, const struct gd__window *inserted,
-                                uint32_t count, double min_width, uint32_t *front, uint32_t *back)
+/* A block of the class that holds that many windows, of which the first `kept` are copied; the one there was is released. */
+static enum gd_status move_to_larger(void **block, uint8_t *size_class, struct gd__pool *pool, uint32_t windows,
+                                     uint32_t kept)
 {
-    *front = *back = 0;
-    if (range.from > 0 && joins(&list->windows[range.from - 1], &inserted[0], min_width)) {
-        list->windows[range.from - 1].b1 = inserted[0].b1;
-        *front = 1;
+    uint32_t class = class_for(windows);
+    void *larger = gd__pool_take(pool, class);
+    if (!larger) return pool->status;
+    if (*block) {
+        struct gd__windows to = gd__windows_at(larger, GD__WINDOWS_GROUP * gd__pool_items(class)),
+                           from = gd__windows_at(*block, GD__WINDOWS_GROUP * gd__pool_items(*size_class));
+        gd__windows_copy(&to, 0, &from, 0, kept);
+        gd__pool_release(pool, *block, *size_class);
     }
-    if (range.to < list->count && count > *front && joins(&inserted[count - 1], &list->windows[range.to], min_width)) {
-        list->windows[range.to].b0 = inserted[count - 1].b0;
-        *back = 1;
-    }
-}
-
-/* Replaces windows [range.from, range.to) of the list by `count` others. */
-static enum gd_status splice(struct gd__list *list, struct gd__pool *pool, struct range range,
-                             const struct gd__window *windows, uint32_t count)
-{
-    uint32_t tail = list->count - range.to, total = range.from + count + tail;
-    if (list->windows && total <= 1u << list->size_class) {
-        memmove(list->windows + range.from + count, list->windows + range.to, sizeof *windows * tail);
-        memcpy(list->windows + range.from, windows, sizeof *windows * count);
-        list->count = total;
-        return GD_OK;
-    }
-    uint32_t size_class = gd__pool_class(total);
-    struct gd__window *block = gd__pool_take(pool, size_class);
-    if (!block) return pool->status;
-    if (list->windows) {
-        memcpy(block, list->windows, sizeof *block * range.from);
-        memcpy(block + range.from + count, list->windows + range.to, sizeof *block * tail);
-        gd__pool_release(pool, list->windows, list->size_class);
-    }
-    memcpy(block + range.from, windows, sizeof *block * count);
-    list->windows = block;
-    list->size_class = (uint8_t)size_class;
-    list->count = total;
+    *block = larger;
+    *size_class = (uint8_t) class;
     return GD_OK;
 }
 
-enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__stack *newer, double min_width,
-                               struct gd__stack *scratch)
+/* Room for that many windows and a group behind them; the first `kept` stay. */
+static enum gd_status grow(struct gd__children *children, struct gd__pool *pool, uint32_t count, uint32_t kept)
 {
-    if (list->count == 0) return splice(list, pool, (struct range){0, 0}, newer->windows, newer->count);
-    struct range range = overlapped(list, newer, min_width);
-    const struct gd__window *inserted = newer->windows;
-    uint32_t count = newer->count, front, back;
-    if (range.to > range.from) {
-        enum gd_status status = gd__stack_reserve(scratch, gd__merged_bound(range.to - range.from, newer->count));
-        if (status) return status;
-        scratch->count = 0;
-        gd__merge(list->windows + range.from, range.to - range.from, newer->windows, newer->count, min_width, scratch);
-        inserted = scratch->windows;
-        count = scratch->count;
-    }
-    if (count == 0) return splice(list, pool, range, inserted, 0);
-    coalesce_neighbours(list, range, inserted, count, min_width, &front, &back);
-    return splice(list, pool, range, inserted + front, count - front - back);
+    uint32_t need = count + GD__WINDOWS_GROUP;
+    if (children->block && need <= GD__WINDOWS_GROUP * gd__pool_items(children->size_class)) return GD_OK;
+    enum gd_status status = move_to_larger(&children->block, &children->size_class, pool, need, kept);
+    if (!status)
+        children->at = gd__windows_at(children->block, GD__WINDOWS_GROUP * gd__pool_items(children->size_class));
+    return status;
 }
 
-enum gd_status gd__list_assign(struct gd__list *list, struct gd__pool *pool, const struct gd__window *windows,
-                               uint32_t count)
+enum gd_status gd__children_reserve(struct gd__children *children, struct gd__pool *pool, uint32_t count)
 {
-    return splice(list, pool, (struct range){0, list->count}, windows, count);
+    return grow(children, pool, count, 0);
+}
+
+/* --- lists that were built as they came ---------------------------------------------------------------------------------- */
+
+/* How many windows before the first tangled one are taken along: what is pushed seldom reaches farther back. */
+#define BEFORE_TANGLE 4
+
+/* Untangles windows [base, count), of which those before children->tangled are in order, into scratch->stack[0]. Stops at the first window behind
+ * the last tangled one that lies clear of all before it: *rest, from which on the windows stay as they are. False when a window reaches back
+ * beyond `base`. */
+static bool untangle_from(const struct gd__children *children, uint32_t base, double min_width,
+                          struct gd__scratch *scratch, uint32_t *rest, enum gd_status *status)
+{
+    struct gd__stack *list = &scratch->stack[0];
+    const struct gd__windows *windows = &children->at;
+    list->count = 0;
+    *status = gd__stack_reserve(list, gd__merged_bound(children->count - base, 0));
+    if (*status) return true;
+    gd__stack_load(list, windows, base, children->tangled);
+    for (uint32_t i = children->tangled; i < children->count; i++) {
+        struct gd__window w = gd__windows_get(windows, i);
+        *rest = i;
+        if (w.b1 - w.b0 <= min_width) continue; /* cut off from both ends */
+        if (scratch->apart) w.tags = (i + 1) * GD__WINDOW_SERIAL;
+        bool is_clear = list->count && w.b0 >= list->windows[list->count - 1].b1 - min_width;
+        if (is_clear && i > children->tangled_last + 1) return true;
+        *status = push(list, &w, min_width, &scratch->stack[1]);
+        if (*status) return true;
+        if (base > 0 && (!list->count || list->windows[0].b0 != windows->b0[base])) return false;
+    }
+    *rest = children->count;
+    return true;
+}
+
+/* Puts the untangled windows from place `base` on, and those from `rest` on behind them. */
+static enum gd_status put_back(struct gd__children *children, struct gd__pool *pool, uint32_t base, uint32_t rest,
+                               struct gd__scratch *scratch)
+{
+    const struct gd__stack *list = &scratch->stack[0];
+    uint32_t behind = children->count - rest, count = base + list->count + behind;
+    enum gd_status status = behind ? gd__window_builder_reserve(&scratch->tail, behind) : GD_OK;
+    if (!status) gd__windows_copy(&scratch->tail.at, 0, &children->at, rest, behind);
+    if (!status) status = grow(children, pool, count, base);
+    if (status) return status;
+    for (uint32_t i = 0; i < list->count; i++) gd__windows_put(&children->at, base + i, &list->windows[i]);
+    gd__windows_copy(&children->at, base + list->count, &scratch->tail.at, 0, behind);
+    children->count = count;
+    children->tangled = GD_NONE;
+    return GD_OK;
+}
+
+enum gd_status gd__untangle(struct gd__children *children, struct gd__pool *pool, double min_width,
+                            struct gd__scratch *scratch)
+{
+    enum gd_status status;
+    uint32_t base = children->tangled > BEFORE_TANGLE ? children->tangled - BEFORE_TANGLE : 0, rest;
+    if (!untangle_from(children, base, min_width, scratch, &rest, &status))
+        untangle_from(children, base = 0, min_width, scratch, &rest, &status);
+    return status ? status : put_back(children, pool, base, rest, scratch);
+}
+
+/* --- the list of a side -------------------------------------------------------------------------------------------------- */
+
+/* Part [from, to) of the list and part [first, last) of the newer windows: those that overlap. Where there are none, all the newer ones go to
+ * `from` and first = last = their count. */
+struct overlap {
+    uint32_t from, to, first, last;
+};
+
+/* Ends that only touch are cut to meet exactly. */
+static struct overlap find_overlap(const struct gd__windows *list, uint32_t count, const struct gd__windows *newer,
+                                   uint32_t newer_count, double min_width)
+{
+    double begin = newer->b0[0], end = newer->b1[newer_count - 1];
+    if (begin >= list->b1[count - 1] - min_width) {
+        if (begin < list->b1[count - 1]) newer->b0[0] = list->b1[count - 1];
+        return (struct overlap){count, count, newer_count, newer_count};
+    }
+    if (end <= list->b0[0] + min_width) {
+        if (end > list->b0[0]) newer->b1[newer_count - 1] = list->b0[0];
+        return (struct overlap){0, 0, newer_count, newer_count};
+    }
+    struct overlap o = {0, count, 0, newer_count};
+    while (o.from < count && list->b1[o.from] <= begin) o.from++;
+    while (o.to > o.from && list->b0[o.to - 1] >= end) o.to--;
+    if (o.to == o.from) return (struct overlap){o.from, o.from, newer_count, newer_count};
+    while (o.first < newer_count && newer->b1[o.first] <= list->b0[o.from]) o.first++;
+    while (o.last > o.first && newer->b0[o.last - 1] >= list->b1[o.to - 1]) o.last--;
+    return o;
+}
+
+/* The windows that take the place of list [from, to): newer [0, first), merged ones, newer [last, count). */
+struct insertion {
+    const struct gd__windows *newer;
+    const struct gd__stack *merged;
+    struct overlap at;
+    uint32_t count;     /* of newer */
+    uint32_t skip, end; /* newer [skip, first) and [last, end): what is not joined to a neighbour */
+};
+
+/* Lengthens the neighbours of an insertion instead of inserting windows that see the same source. */
+static void join_neighbours(const struct gd__windows *list, uint32_t count, struct insertion *in, double min_width)
+{
+    if (in->at.from > 0 && (in->at.first > 0 || !in->merged)) {
+        struct gd__window before = gd__windows_get(list, in->at.from - 1), first = gd__windows_get(in->newer, 0);
+        if (joins(&before, &first, min_width)) {
+            list->b1[in->at.from - 1] = first.b1;
+            in->skip = 1;
+        }
+    }
+    if (in->at.to < count && (in->at.last < in->count || !in->merged) && in->count > in->skip) {
+        struct gd__window behind = gd__windows_get(list, in->at.to), last = gd__windows_get(in->newer, in->count - 1);
+        if (joins(&last, &behind, min_width)) {
+            list->b0[in->at.to] = last.b0;
+            in->end = in->count - 1;
+        }
+    }
+    if (in->at.last < in->skip) in->at.last = in->skip;
+    if (in->at.first > in->end) in->at.first = in->end;
+}
+
+/* Rebuilds the list around an insertion. Copies write whole groups, so each part is written after what is before it. */
+static enum gd_status splice(struct gd__list *list, struct gd__pool *pool, const struct insertion *in,
+                             struct gd__window_builder *scratch)
+{
+    uint32_t tail = list->count - in->at.to, before = in->at.first > in->skip ? in->at.first - in->skip : 0,
+             behind = in->end > in->at.last ? in->end - in->at.last : 0, merged = in->merged ? in->merged->count : 0;
+    uint32_t count = in->at.from + before + merged + behind + tail, at = in->at.from;
+    enum gd_status status = tail ? gd__window_builder_reserve(scratch, tail) : GD_OK;
+    struct gd__windows windows = gd__list_windows(list);
+    if (!status && tail) gd__windows_copy(&scratch->at, 0, &windows, in->at.to, tail);
+    if (!status && count + GD__WINDOWS_GROUP > gd__list_capacity(list))
+        status = move_to_larger(&list->block, &list->size_class, pool, count + GD__WINDOWS_GROUP, in->at.from);
+    if (status) return status;
+    windows = gd__list_windows(list);
+    gd__windows_copy(&windows, at, in->newer, in->skip, before);
+    at += before;
+    for (uint32_t i = 0; i < merged; i++) gd__windows_put(&windows, at++, &in->merged->windows[i]);
+    gd__windows_copy(&windows, at, in->newer, in->at.last, behind);
+    at += behind;
+    gd__windows_copy(&windows, at, &scratch->at, 0, tail);
+    list->count = count;
+    return GD_OK;
+}
+
+/* Merges what overlaps, into scratch->stack[2]. */
+static enum gd_status merge_overlap(const struct gd__windows *list, const struct gd__windows *newer, struct overlap o,
+                                    double min_width, struct gd__scratch *scratch)
+{
+    struct gd__stack *existing = &scratch->stack[0], *challengers = &scratch->stack[1], *merged = &scratch->stack[2];
+    enum gd_status status = gd__stack_reserve(existing, o.to - o.from + 1);
+    if (!status) status = gd__stack_reserve(challengers, o.last - o.first + 1);
+    if (!status) status = gd__stack_reserve(merged, gd__merged_bound(o.to - o.from, o.last - o.first));
+    if (status) return status;
+    existing->count = challengers->count = merged->count = 0;
+    gd__stack_load(existing, list, o.from, o.to);
+    gd__stack_load(challengers, newer, o.first, o.last);
+    gd__merge(existing->windows, existing->count, challengers->windows, challengers->count, min_width, merged);
+    return GD_OK;
+}
+
+enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
+                               double min_width, struct gd__scratch *scratch)
+{
+    if (list->count == 0) { /* such a list has no block */
+        list->block = newer->block;
+        list->size_class = newer->size_class;
+        list->count = newer->count;
+        newer->block = NULL;
+        return GD_OK;
+    }
+    struct insertion in = {.newer = &newer->at, .count = newer->count, .end = newer->count};
+    struct gd__windows windows = gd__list_windows(list);
+    in.at = find_overlap(&windows, list->count, &newer->at, newer->count, min_width);
+    if (in.at.to > in.at.from) {
+        enum gd_status status = merge_overlap(&windows, &newer->at, in.at, min_width, scratch);
+        if (status) return status;
+        in.merged = &scratch->stack[2];
+    }
+    if (!scratch->apart) join_neighbours(&windows, list->count, &in, min_width);
+    return splice(list, pool, &in, &scratch->tail);
 }

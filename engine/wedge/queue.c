@@ -3,75 +3,90 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gd/polygons.h"
-
 #define MASK     (GD__QUEUE_BUCKETS - 1)
-#define FARTHEST ((double)(INT64_C(1) << 60))
+#define FARTHEST 4e9 /* below the largest bucket number */
+#define SMALLEST 256 /* nodes of an array */
 
-enum gd_status gd__queue_init(struct gd__queue *queue, uint32_t node_count, double bucket_width)
+struct gd__queue *gd__queue_create(void)
 {
-    queue->nodes = malloc(sizeof *queue->nodes * (size_t)node_count);
-    if (!queue->nodes) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < node_count; i++) queue->nodes[i].bucket = -1;
-    memset(queue->head, 0xff, sizeof queue->head);
-    memset(queue->tail, 0xff, sizeof queue->tail);
-    queue->current = 0;
-    queue->size = 0;
-    queue->buckets_per_length = 1 / bucket_width;
-    return GD_OK;
+    return calloc(1, sizeof(struct gd__queue));
 }
 
 void gd__queue_destroy(struct gd__queue *queue)
 {
-    free(queue->nodes);
-    queue->nodes = NULL;
+    if (!queue) return;
+    for (uint32_t i = 0; i < GD__QUEUE_BUCKETS; i++) free(queue->bucket[i].nodes);
+    for (uint32_t i = 0; i < queue->spare_count; i++) free(queue->spare[i].nodes);
+    free(queue);
 }
 
-static void unlink_node(struct gd__queue *queue, uint32_t node)
+/* Keeps the bucket's array for another one. */
+static void retire(struct gd__queue *queue, struct gd__bucket *bucket)
 {
-    struct gd__queue_node *n = &queue->nodes[node];
-    uint32_t slot = n->bucket & MASK;
-    if (n->previous != GD_NONE)
-        queue->nodes[n->previous].next = n->next;
-    else
-        queue->head[slot] = n->next;
-    if (n->next != GD_NONE)
-        queue->nodes[n->next].previous = n->previous;
-    else
-        queue->tail[slot] = n->previous;
-    n->bucket = -1;
-    queue->size--;
+    if (bucket->capacity)
+        queue->spare[queue->spare_count++] = (struct gd__bucket){.nodes = bucket->nodes, .capacity = bucket->capacity};
+    *bucket = (struct gd__bucket){0};
 }
 
-static void append_node(struct gd__queue *queue, uint32_t node, int64_t bucket)
+void gd__queue_clear(struct gd__queue *queue)
 {
-    uint32_t slot = bucket & MASK, last = queue->tail[slot];
-    queue->nodes[node] = (struct gd__queue_node){.next = GD_NONE, .previous = last, .bucket = bucket};
-    if (last != GD_NONE)
-        queue->nodes[last].next = node;
-    else
-        queue->head[slot] = node;
-    queue->tail[slot] = node;
-    queue->size++;
+    for (uint32_t i = 0; i < GD__QUEUE_BUCKETS; i++) retire(queue, &queue->bucket[i]);
+    queue->current = 0;
+    queue->size = 0;
+    queue->out_of_memory = false;
 }
 
-void gd__queue_push(struct gd__queue *queue, uint32_t node, double key)
+void gd__queue_set_width(struct gd__queue *queue, double bucket_width)
+{
+    queue->buckets_per_length = 1 / bucket_width;
+}
+
+static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
+{
+    if (bucket->count < bucket->capacity) return true;
+    if (!bucket->capacity && queue->spare_count) {
+        *bucket = queue->spare[--queue->spare_count];
+        return true;
+    }
+    if (bucket->head > bucket->capacity / 2) { /* a bucket that is filled while it is emptied */
+        memmove(bucket->nodes, bucket->nodes + bucket->head, sizeof *bucket->nodes * (bucket->count - bucket->head));
+        bucket->count -= bucket->head;
+        bucket->head = 0;
+        return true;
+    }
+    uint32_t capacity = bucket->capacity ? 2 * bucket->capacity : SMALLEST;
+    uint32_t *nodes = realloc(bucket->nodes, sizeof *nodes * (size_t)capacity);
+    if (!nodes) return false;
+    bucket->nodes = nodes;
+    bucket->capacity = capacity;
+    return true;
+}
+
+void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting)
 {
     double exact = key * queue->buckets_per_length;
-    int64_t bucket = exact < FARTHEST ? (int64_t)exact : (int64_t)FARTHEST;
-    if (bucket < queue->current) bucket = queue->current;
-    if (bucket > queue->current + MASK) bucket = queue->current + MASK;
-    int64_t waiting = queue->nodes[node].bucket;
-    if (waiting >= 0 && waiting <= bucket) return;
-    if (waiting >= 0) unlink_node(queue, node);
-    append_node(queue, node, bucket);
+    uint32_t number = exact < FARTHEST ? (uint32_t)exact : (uint32_t)FARTHEST;
+    if (number < queue->current) number = queue->current;
+    if (number > queue->current + MASK) number = queue->current + MASK;
+    if (*waiting <= number) return; /* GD_NONE is larger than any */
+    struct gd__bucket *bucket = &queue->bucket[number & MASK];
+    if (!make_room(queue, bucket)) {
+        queue->out_of_memory = true;
+        return;
+    }
+    *waiting = number;
+    bucket->nodes[bucket->count++] = node;
+    queue->size++;
 }
 
 uint32_t gd__queue_pop(struct gd__queue *queue)
 {
     if (!queue->size) return GD_NONE;
-    while (queue->head[queue->current & MASK] == GD_NONE) queue->current++;
-    uint32_t node = queue->head[queue->current & MASK];
-    unlink_node(queue, node);
-    return node;
+    struct gd__bucket *bucket = &queue->bucket[queue->current & MASK];
+    while (bucket->head == bucket->count) {
+        retire(queue, bucket);
+        bucket = &queue->bucket[++queue->current & MASK];
+    }
+    queue->size--;
+    return bucket->nodes[bucket->head++];
 }

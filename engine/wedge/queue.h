@@ -1,44 +1,61 @@
-/* Queue: circular buckets with decrease-key over small integers (sides and vertices), in order of distance up to a bucket's width.
+/* Queue: circular buckets of small integers (sides and vertices), in order of distance up to a bucket's width.
  *
- * Order within a bucket is first in, first out, and a key beyond the ring waits in its last bucket: propagation corrects itself, so order
- * costs time, never exactness, and first-in-first-out keeps a bucket that holds a whole component polynomial. One owner, one thread. */
+ * An entry that moves forward is entered again and its old place becomes stale: each node's owner keeps the bucket it waits in, and passes over
+ * what it no longer waits for. Order within a bucket is first in, first out, and a key beyond the ring waits in its last bucket: propagation
+ * corrects itself, so order costs time, never exactness, and first-in-first-out keeps a bucket that holds a whole component polynomial.
+ * One owner, one thread. */
 #ifndef GD_WEDGE_QUEUE_H
 #define GD_WEDGE_QUEUE_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "gd/polygons.h"
 #include "gd/status.h"
 
 #define GD__QUEUE_BUCKETS 4096 /* a power of two */
 
-struct gd__queue_node {
-    uint32_t next, previous; /* within its bucket, GD_NONE ends */
-    int64_t bucket;          /* absolute number; -1: not queued */
+struct gd__bucket {
+    uint32_t *nodes;
+    uint32_t head, count, capacity; /* nodes [head, count) wait */
 };
 
 struct gd__queue {
-    struct gd__queue_node *nodes;
-    uint32_t head[GD__QUEUE_BUCKETS], tail[GD__QUEUE_BUCKETS];
-    int64_t current; /* no node waits in a lower bucket */
-    uint64_t size;
+    struct gd__bucket bucket[GD__QUEUE_BUCKETS];
+    struct gd__bucket spare
+        [GD__QUEUE_BUCKETS]; /* arrays of buckets that ran empty, for the next ones: the newest first, as it is in the cache */
+    uint32_t spare_count;
+    uint32_t current; /* number of the bucket at hand; nothing waits in a lower one */
+    uint64_t size;    /* entries, stale ones too */
     double buckets_per_length;
+    bool out_of_memory; /* sticky: an entry was lost */
 };
 
-/* For node numbers < node_count and buckets of that width > 0. GD_NO_MEMORY. */
-GD_MUST_USE enum gd_status gd__queue_init(struct gd__queue *queue, uint32_t node_count, double bucket_width);
-void gd__queue_destroy(struct gd__queue *queue);
+/* An empty one; NULL without memory. */
+struct gd__queue *gd__queue_create(void);
+void gd__queue_destroy(struct gd__queue *queue); /* NULL is harmless */
 
-/* Queues the node, or moves it forward if it waits with a larger key; a smaller key it has already stays. O(1). */
-void gd__queue_push(struct gd__queue *queue, uint32_t node, double key);
+/* Removes all entries; the owners of nodes that wait forget it themselves. */
+void gd__queue_clear(struct gd__queue *queue);
 
-/* Takes the first node; GD_NONE when empty. */
+/* The width of buckets, > 0, of an empty queue. */
+void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
+
+/* Enters the node, which waits in bucket *waiting (GD_NONE: in none), unless that comes no later than its key. Amortised O(1). */
+void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting);
+
+/* Takes the first entry; GD_NONE when empty. It is stale unless its node waits in the current bucket. Amortised O(1). */
 uint32_t gd__queue_pop(struct gd__queue *queue);
 
-/* The node that a pop would take if it waits in the current bucket, else GD_NONE: a hint for prefetching. */
-static inline uint32_t gd__queue_peek(const struct gd__queue *queue)
+/* The entry so many places behind the one that was popped last, if it is in the current or the next bucket, else GD_NONE: a hint. */
+static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)
 {
-    return queue->head[queue->current & (GD__QUEUE_BUCKETS - 1)];
+    const struct gd__bucket *b = &queue->bucket[queue->current & (GD__QUEUE_BUCKETS - 1)];
+    uint32_t at = b->head + places - 1;
+    if (at < b->count) return b->nodes[at];
+    at -= b->count;
+    b = &queue->bucket[(queue->current + 1) & (GD__QUEUE_BUCKETS - 1)];
+    return b->head + at < b->count ? b->nodes[b->head + at] : GD_NONE;
 }
 
 #endif

@@ -1,15 +1,26 @@
 #include "wedge/wavefront.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define BUCKET_WIDTH   0.25 /* of the mean edge: measured, see doc/001 */
 #define KEY_WEIGHT     0.25 /* a side's key between the nearer and the farther end's distance */
 #define CHECK_INTERVAL 256  /* work items between two looks at the monitor: well under a millisecond */
+#define RECORDS_AHEAD  9    /* places in the queue: see prefetch_records */
+#define NAMED_AHEAD    5
+#define WORK_AHEAD     2
+#define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_FACTOR    64
 
 /* --- distances, windows, order ------------------------------------------------------------------------------------------- */
 
 static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
 {
+    if (front->guide) {
+        double through = (front->distance[vertex] + front->guide->node[vertex].upper) * (1 + GD_TOL_BOUND);
+        if (through < front->bound) front->bound = through;
+        return;
+    }
     for (int i = 0; i < 4; i++) {
         if (front->target_corner[i] != vertex) continue;
         double through = (front->distance[vertex] + front->target_leg[i]) * (1 + GD_TOL_CHECK);
@@ -19,41 +30,40 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
 
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth)
 {
-    if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
+    double known = front->distance[vertex];
+    if (distance >= known * (1 - GD_TOL_BETTER)) return;
+    if (known >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
+    if (front->emitted[vertex] < GD__FAR)
+        front->work->since[vertex] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
     front->distance[vertex] = distance;
     front->birth[vertex] = birth;
     shrink_bound(front, vertex);
-    if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX && distance <= front->bound)
-        gd__queue_push(&front->queue, 2 * front->mesh->edge_count + vertex, distance);
+    if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX &&
+        distance + gd__wavefront_rest(front, vertex) <= front->bound)
+        gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, &front->waiting[vertex]);
 }
 
-static void schedule(struct gd__wavefront *front, uint32_t side)
+static double key_of(const struct gd__receiver *to)
 {
-    double a = front->distance[front->mesh->origin[side]], b = front->distance[front->mesh->origin[side ^ 1]];
-    double near = a < b ? a : b, far = a < b ? b : a;
-    if (far >= GD__FAR) far = near;
-    gd__queue_push(&front->queue, side, near + KEY_WEIGHT * (far - near));
+    double near = to->d0 < to->d1 ? to->d0 : to->d1, far = to->d0 < to->d1 ? to->d1 : to->d0;
+    return far < GD__FAR ? near + KEY_WEIGHT * (far - near) : near;
 }
 
-/* Keeps only windows that come within the bound somewhere. */
-static void drop_beyond_bound(const struct gd__wavefront *front, struct gd__stack *windows)
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < windows->count; i++)
-        if (gd__window_nearest(&windows->windows[i]) <= front->bound) windows->windows[kept++] = windows->windows[i];
-    windows->count = kept;
-}
-
-void gd__wavefront_deliver(struct gd__wavefront *front, uint32_t side, struct gd__stack *windows)
-{
-    if (front->bound < GD__FAR) drop_beyond_bound(front, windows);
-    if (!windows->count || front->status) return;
-    struct gd__list *list = &front->lists[side];
-    front->effort.windows_created += windows->count;
-    double min_width = GD_TOL_WIDTH * front->mesh->side[side].length;
-    front->status = gd__list_insert(list, &front->pool, windows, min_width, &front->scratch);
-    list->pending = true;
-    if (!front->status && !gd__side_is_boundary(front->mesh, side)) schedule(front, side);
+    if (front->guide)
+        children->count = front->kernel->filter(&children->at, children->count, to->length, front->bound - to->l0,
+                                                front->bound - to->l1);
+    else if (front->bound < GD__FAR)
+        children->count = front->kernel->within(&children->at, children->count, front->bound);
+    if (!children->count || front->status) return;
+    front->effort.windows_created += children->count;
+    struct gd__list *list = &front->lists[to->side];
+    if (!list->touched) gd__workspace_touch(front->work, to->side);
+    list->touched = true;
+    front->status =
+        gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
+    if (!front->status) gd__queue_push(front->queue, to->side, key_of(to), &list->bucket);
 }
 
 /* --- set-up -------------------------------------------------------------------------------------------------------------- */
@@ -61,29 +71,11 @@ void gd__wavefront_deliver(struct gd__wavefront *front, uint32_t side, struct gd
 /* The corners of the target's faces and the straight ways to them: an upper bound of its distance at any time. */
 static void aim(struct gd__wavefront *front, const struct gd_point *target)
 {
-    const struct gd_mesh *mesh = front->mesh;
-    uint32_t count = 0;
-    for (int i = 0; i < 4; i++) front->target_corner[i] = GD_NONE;
-    if (!target) return;
-    if (target->kind == GD_POINT_VERTEX) {
-        front->target_corner[0] = target->element;
-        front->target_leg[0] = 0;
-    } else if (target->kind == GD_POINT_EDGE) {
-        double length = mesh->side[2 * target->element].length;
-        for (uint32_t k = 0; k < 2; k++) {
-            front->target_corner[k] = mesh->origin[2 * target->element + k];
-            front->target_leg[k] = length * (k ? 1 - target->weight[0] : target->weight[0]);
-        }
-    } else {
-        for (int k = 0; k < 3; k++) { /* the corner opposite to side k, in that side's frame */
-            uint32_t side = mesh->face_side[target->element][k];
-            const struct gd_side *s = &mesh->side[side];
-            double apex_weight = target->weight[(k + 2) % 3], px = s->left_length * s->left_x,
-                   py = s->left_length * s->left_y;
-            double x = target->weight[(k + 1) % 3] * s->length + apex_weight * px, y = apex_weight * py;
-            front->target_corner[count] = gd__side_apex(mesh, side);
-            front->target_leg[count++] = sqrt((x - px) * (x - px) + (y - py) * (y - py));
-        }
+    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}};
+    if (target) anchor = gd__anchor(front->mesh, target);
+    for (int i = 0; i < 4; i++) {
+        front->target_corner[i] = anchor.corner[i];
+        front->target_leg[i] = anchor.leg[i];
     }
 }
 
@@ -111,45 +103,30 @@ static double bucket_width(const struct gd__wavefront *front)
     return BUCKET_WIDTH * mean;
 }
 
-static size_t fixed_bytes(const struct gd_mesh *mesh)
+/* Windows that no surface of sense comes near: the square root is what smooth ones grow by. */
+static uint64_t work_limit(const struct gd_mesh *mesh)
 {
-    size_t sides = 2 * (size_t)mesh->edge_count, vertices = mesh->vertex_count;
-    return sides * (sizeof(struct gd__list) + sizeof(struct gd__queue_node)) +
-           vertices * (2 * sizeof(double) + sizeof(struct gd__birth) + sizeof(struct gd__queue_node));
+    double sides = 2 * (double)mesh->edge_count;
+    return WORK_LEAST + (uint64_t)(WORK_FACTOR * sides * sqrt(sides));
 }
 
 static enum gd_status open_front(struct gd__wavefront *front, const struct gd__propagation *propagation)
 {
-    const struct gd_mesh *mesh = front->mesh;
-    size_t sides = 2 * (size_t)mesh->edge_count, vertices = mesh->vertex_count;
-    enum gd_status status = gd_control_afford(front->monitor, fixed_bytes(mesh));
-    if (status) return status;
-    gd__pool_init(&front->pool, sizeof(struct gd__window), front->monitor, fixed_bytes(mesh));
-    front->lists = calloc(sides, sizeof *front->lists);
-    front->distance = malloc(sizeof *front->distance * vertices);
-    front->emitted = malloc(sizeof *front->emitted * vertices);
-    front->birth = malloc(sizeof *front->birth * vertices);
-    if (!front->lists || !front->distance || !front->emitted || !front->birth) return GD_NO_MEMORY;
-    for (size_t v = 0; v < vertices; v++) {
-        front->distance[v] = front->emitted[v] = GD__FAR;
-        front->birth[v] = (struct gd__birth){.side = GD_NONE, .source = GD_NONE};
-    }
+    struct gd_workspace *work = front->work;
+    enum gd_status status = gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
+    front->lists = work->lists;
+    front->distance = work->distance;
+    front->emitted = work->emitted;
+    front->waiting = work->waiting;
+    front->newest = work->newest;
+    front->birth = work->birth;
+    front->queue = work->queue;
+    front->kernel = gd__kernel_in_use();
+    front->work->scratch.apart = front->methods.no_coalescing;
+    front->work_limit = work_limit(front->mesh);
     front->bound = propagation->radius;
     aim(front, propagation->target);
-    return gd__queue_init(&front->queue, (uint32_t)(sides + vertices), bucket_width(front));
-}
-
-static void close_front(struct gd__wavefront *front)
-{
-    free(front->lists);
-    free(front->distance);
-    free(front->emitted);
-    free(front->birth);
-    gd__queue_destroy(&front->queue);
-    gd__pool_destroy(&front->pool);
-    gd__stack_destroy(&front->left);
-    gd__stack_destroy(&front->right);
-    gd__stack_destroy(&front->scratch);
+    return status;
 }
 
 /* --- the loop ------------------------------------------------------------------------------------------------------------ */
@@ -157,66 +134,138 @@ static void close_front(struct gd__wavefront *front)
 static void work_on_side(struct gd__wavefront *front, uint32_t side)
 {
     struct gd__list *list = &front->lists[side];
-    if (!list->visited) front->sides_visited++;
-    list->visited = true;
-    if (list->pending) gd__propagate_side(front, side);
+    if (list->bucket != front->queue->current) return;
+    list->bucket = GD_NONE;
+    gd__propagate_side(front, side);
 }
 
 static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
+    if (front->waiting[vertex] != front->queue->current) return;
+    front->waiting[vertex] = GD_NONE;
     double distance = front->distance[vertex];
-    if (distance != front->emitted[vertex] && distance <= front->bound) gd__emit_vertex(front, vertex);
+    if (distance != front->emitted[vertex] && distance + gd__wavefront_rest(front, vertex) <= front->bound)
+        gd__emit_vertex(front, vertex);
 }
 
-/* Asks for what the next two sides in the queue will need: the second's records, the first's windows. */
-static void prefetch_next(const struct gd__wavefront *front)
+/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
+#define ASKING static inline __attribute__((always_inline)) void
+
+/* Asks, in three steps, for what a node in the queue will need: its records, */
+ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
 {
-    uint32_t sides = 2 * front->mesh->edge_count, next = gd__queue_peek(&front->queue);
-    if (next >= sides) return;
-    const struct gd__window *windows = front->lists[next].windows;
-    const struct gd_side *side = &front->mesh->side[next];
-    __builtin_prefetch(windows);
-    __builtin_prefetch((const char *)windows + 64);
-    __builtin_prefetch((const char *)windows + 128);
-    __builtin_prefetch(&front->lists[side->left]);
-    __builtin_prefetch(&front->lists[side->right]);
-    uint32_t second = front->queue.nodes[next].next;
-    if (second >= sides) return;
-    __builtin_prefetch(&front->lists[second]);
-    __builtin_prefetch(&front->mesh->side[second]);
-    __builtin_prefetch(&front->queue.nodes[second]);
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        __builtin_prefetch(&front->lists[node]);
+        __builtin_prefetch(&mesh->side[node]);
+        __builtin_prefetch(&mesh->origin[node]);
+        __builtin_prefetch(&front->newest[node >> 1]);
+    } else if (node != GD_NONE) {
+        __builtin_prefetch(&front->distance[node - sides]);
+        __builtin_prefetch(&front->birth[node - sides]);
+        __builtin_prefetch(&mesh->fan_first[node - sides]);
+    }
+}
+
+/* what the records name, */
+ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        const struct gd_side *s = &mesh->side[node];
+        __builtin_prefetch(&front->distance[mesh->origin[node]]);
+        __builtin_prefetch(&front->distance[mesh->origin[node ^ 1]]);
+        if (s->left == GD_NONE) return;
+        __builtin_prefetch(&front->lists[s->left]);
+        __builtin_prefetch(&front->lists[s->right]);
+        __builtin_prefetch(&mesh->origin[s->right]);
+    } else if (node != GD_NONE) {
+        uint32_t first = mesh->fan_first[node - sides], side = front->birth[node - sides].side;
+        for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
+        if (side != GD_NONE) __builtin_prefetch(&mesh->side[side]);
+    }
+}
+
+/* and what these name. */
+ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    uint32_t sides = 2 * mesh->edge_count;
+    if (node < sides) {
+        const struct gd__list *list = &front->lists[node];
+        const char *block = list->block;
+        size_t array = gd__list_capacity(list) * sizeof(double),
+               second = list->count > GD__WINDOWS_GROUP ? GD__WINDOWS_GROUP * sizeof(double) : 0;
+        for (int i = 0; i < 6 && block; i++) {
+            __builtin_prefetch(block + i * array);
+            __builtin_prefetch(block + i * array + second);
+        }
+        if (mesh->side[node].left != GD_NONE)
+            __builtin_prefetch(&front->distance[mesh->origin[mesh->side[node].right]]);
+    } else if (node != GD_NONE) {
+        for (uint32_t i = mesh->fan_first[node - sides]; i < mesh->fan_first[node - sides + 1]; i++) {
+            __builtin_prefetch(&mesh->side[mesh->fan[i].side]);
+            __builtin_prefetch(&front->distance[mesh->fan[i].tip]);
+        }
+    }
+}
+
+static void check(struct gd__wavefront *front)
+{
+    double part = (double)front->sides_visited / (2 * (double)front->mesh->edge_count);
+    if (!front->status) front->status = gd_control_check(front->monitor, part);
+    if (!front->status && front->effort.windows_propagated + front->effort.wedges_recalled > front->work_limit)
+        front->status = GD_RUNAWAY;
 }
 
 static enum gd_status propagate_all(struct gd__wavefront *front)
 {
     uint32_t sides = 2 * front->mesh->edge_count, node;
-    for (uint64_t work = 0; !front->status && (node = gd__queue_pop(&front->queue)) != GD_NONE; work++) {
-        prefetch_next(front);
+    for (uint64_t work = 0; !front->status && (node = gd__queue_pop(front->queue)) != GD_NONE; work++) {
+        prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
+        prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
+        prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
         if (node < sides)
             work_on_side(front, node);
         else
             work_on_vertex(front, node - sides);
-        if (work % CHECK_INTERVAL == 0 && !front->status)
-            front->status = gd_control_check(front->monitor, (double)front->sides_visited / sides);
+        if (work % CHECK_INTERVAL == 0) check(front);
     }
+    if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
     return front->status;
+}
+
+static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *mesh,
+                             const struct gd__propagation *propagation, const struct gd__sink *sink,
+                             const struct gd_control *monitor, const struct gd_executor *executor)
+{
+    struct gd__wavefront front = {.mesh = mesh,
+                                  .work = work,
+                                  .seeds = propagation->seeds,
+                                  .seed_count = propagation->seed_count,
+                                  .methods = propagation->methods,
+                                  .guide = propagation->guide,
+                                  .without_wedges = propagation->without_wedges,
+                                  .monitor = monitor};
+    enum gd_status status = open_front(&front, propagation);
+    if (status) return status;
+    gd__emit_seeds(&front);
+    status = propagate_all(&front);
+    if (!status) status = sink->take(sink->user, &front, executor);
+    return status;
 }
 
 enum gd_status gd__wavefront_run(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
                                  const struct gd__sink *sink, const struct gd_control *monitor,
                                  const struct gd_executor *executor)
 {
-    struct gd__wavefront front = {.mesh = mesh,
-                                  .seeds = propagation->seeds,
-                                  .seed_count = propagation->seed_count,
-                                  .methods = propagation->methods,
-                                  .monitor = monitor};
-    enum gd_status status = open_front(&front, propagation);
-    if (!status) {
-        gd__emit_seeds(&front);
-        status = propagate_all(&front);
-    }
-    if (!status) status = sink->take(sink->user, &front, executor);
-    close_front(&front);
+    struct gd_workspace own = {0}, *work = monitor && monitor->workspace ? monitor->workspace : &own;
+    enum gd_status status = run_in(work, mesh, propagation, sink, monitor, executor);
+    if (work == &own)
+        gd_workspace_trim(work);
+    else
+        gd__workspace_clean(work);
     return status;
 }

@@ -1,9 +1,12 @@
 /* Wavefront: the state of one propagation of windows from a set of seeds over a mesh, and the loop that drives it.
  *
  * DESIGN
- * - One kernel, gd__wavefront_run, with five inputs: seeds, bound, sink, monitor (gd_control) and executor. A mode is a choice of these.
- * - Work is label-correcting: a side's list may be propagated again when new windows reach it, a vertex may emit again when its distance
- *   falls. The queue orders the work by distance; order costs time, never exactness.
+ * - One loop, gd__wavefront_run, with five inputs: seeds, bound, sink, monitor (gd_control) and executor. A mode is a choice of these.
+ * - The windows that wait on a side are taken all at once: filtered, stored as wedges, cast across the face, forgotten. What arrives on that side
+ *   later is a list of its own.
+ * - Work is label-correcting: a vertex may emit again when its distance falls, a side may be propagated again when new windows reach it. The queue
+ *   orders the work by distance; order costs time, never exactness. A side that is propagated again and again is reminded of its stored wedges,
+ *   so that only what is strictly better goes on.
  * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists, so distances are upper bounds at any time;
  *   a window is dropped only where an existing path is strictly shorter or no path below the bound can use it.
  * - At the end all windows and vertex distances that are shorter than the bound are final (the paper's Property 5).
@@ -12,21 +15,8 @@
 #define GD_WEDGE_WAVEFRONT_H
 
 #include "gd/executor.h"
-#include "mesh/topology.h"
-#include "wedge/list.h"
-#include "wedge/queue.h"
-
-#define GD__FAR 1e300 /* not reached yet; inside lengths stay far below */
-
-/* How a vertex got its distance: the last leg of its shortest path. The leg starts at (x, -y) in the frame of `side`, the side opposite to the
- * vertex: beyond the side where it crosses it (y >= 0), in the face itself where a seed lies there (y < 0). The direction back is stored by
- * its far end, not by the crossing: where the vertex lies on or almost on that side, the crossing would not tell it. */
-struct gd__birth {
-    double x, y;
-    uint32_t side; /* GD_NONE: the leg runs along an edge */
-    uint32_t
-        source; /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the edge knows how it goes on */
-};
+#include "wedge/kernel.h"
+#include "wedge/workspace.h"
 
 /* A seed in inside terms. */
 struct gd__seed {
@@ -34,11 +24,11 @@ struct gd__seed {
     double offset;
 };
 
-/* The means by which useless work is avoided; all false: all of them are used. Results are the same with any of them off: they exist to be
+/* The means by which useless work is avoided; all false: the fastest choice. Results are the same with any of them changed: they exist to be
  * measured (tests/bench). */
 struct gd__methods {
     bool
-        separate_sides; /* do not prune a side's windows by the other side of its edge (the paper's half-edge structure) */
+        one_list; /* prune a side's windows by the wedges of its edge's other side too (the paper's edge-based structure) */
     bool no_filter;     /* do not compare windows with the distances of their edge's ends */
     bool no_cone;       /* saddle and boundary vertices emit all round, not only into their shadow */
     bool no_coalescing; /* neighbouring windows of one source stay apart */
@@ -50,12 +40,15 @@ struct gd__propagation {
     uint32_t seed_count;
     double radius;                 /* inside unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: none */
+    struct gd__guide *guide;       /* towards one target: only its distance and path are final. NULL: none */
+    bool without_wedges;           /* distances and births only: nothing is stored */
     struct gd__methods methods;
 };
 
 /* What a propagation did. */
 struct gd__effort {
     uint64_t windows_created, windows_propagated, sides_propagated, vertices_emitted;
+    uint64_t wedges_recalled; /* stored ones that windows were compared with, see gd__remind */
 };
 
 struct gd__wavefront {
@@ -64,56 +57,81 @@ struct gd__wavefront {
     uint32_t seed_count;
     struct gd__methods methods;
 
-    struct gd__list *lists;  /* per side */
-    double *distance;        /* per vertex */
-    double *emitted;         /* per vertex: the distance that it last emitted windows with */
-    struct gd__birth *birth; /* per vertex */
+    const struct gd__kernel *kernel;
 
+    struct gd_workspace *work;
+    struct gd__list *lists; /* the workspace's arrays; in full in workspace.h */
+    double *distance, *emitted;
+    uint32_t *waiting, *newest;
+    struct gd__birth *birth;
+    struct gd__queue *queue;
+    uint64_t wedge_count;
+
+    bool without_wedges;
+    struct gd__guide *guide;
     double bound;              /* nothing farther is wanted; shrinks towards the target's distance */
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */
 
-    struct gd__queue queue; /* sides, then vertices */
-    struct gd__pool pool;
-    struct gd__stack left, right, scratch;
     const struct gd_control *monitor;
     enum gd_status status;  /* sticky: the first failure */
     uint64_t sides_visited; /* different ones: progress */
+    uint64_t work_limit;    /* windows: more of them are a runaway */
     struct gd__effort effort;
 };
 
-/* What happens to the windows in the end: called once, with everything final, may take arrays out of the wavefront (leaving NULL). */
+/* What happens to the windows in the end: called once, with everything final. It may keep the workspace's distance, birth, newest and wedges
+ * (leaving NULL, and the region closed); the rest is used again. */
 struct gd__sink {
     enum gd_status (*take)(void *user, struct gd__wavefront *front, const struct gd_executor *executor);
     void *user;
 };
 
 /* The kernel: seeds the wavefront, propagates until nothing within the bound is left, hands the result to the sink.
- * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE and the sink's. */
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY and the sink's. */
 GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
                                              const struct gd__sink *sink, const struct gd_control *monitor,
                                              const struct gd_executor *executor);
 
 /* --- between the sources of this room ----------------------------------------------------------------------------------- */
 
+/* Lower bound of the way from a vertex to the target. */
+static inline double gd__wavefront_rest(const struct gd__wavefront *front, uint32_t vertex)
+{
+    return front->guide ? gd__guide_lower(front->guide, vertex) : 0;
+}
+
+/* Distance of a pseudo-source. */
+static inline double gd__wavefront_sigma(const struct gd__wavefront *front, uint32_t source)
+{
+    uint32_t vertices = front->mesh->vertex_count;
+    return source < vertices ? front->distance[source] : front->seeds[source - vertices].offset;
+}
+
 /* Offers a vertex a distance; takes it if strictly shorter, and queues the vertex if paths may bend there. */
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth);
 
-/* Offers a side new windows, in `windows` (used up), and queues the side. */
-void gd__wavefront_deliver(struct gd__wavefront *front, uint32_t side, struct gd__stack *windows);
+/* A side as those know it who offer it windows: no need to look it up. */
+struct gd__receiver {
+    uint32_t side;
+    double length;
+    double d0, d1; /* distances of its ends */
+    double l0, l1; /* lower bounds of the ways from them to the target; 0 without a guide */
+};
+
+/* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *windows);
 
 /* emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
-/* propagate.c: windows of a side across its face. */
+/* propagate.c: the windows that wait on a side become wedges and go on across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
 
-/* The windows that a window on `side` casts onto the two other edges of the side's face; false where there is none. */
-struct gd__children {
-    struct gd__window left, right;
-    bool has_left, has_right;
-};
-struct gd__children gd__window_children(const struct gd_side *side, const struct gd__window *window);
+/* remind.c: cuts off windows of a side what its stored wedges (`own`: ties too) or those of the edge's other side (`twin`: only where they are
+ * strictly better) make useless. *count: how many windows there are, then how many are left; *windows may move to scratch. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, bool twin,
+                                      struct gd__windows *windows, uint32_t *count);
 
 #endif

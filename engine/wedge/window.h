@@ -11,9 +11,12 @@
 
 #include "base/tolerance.h"
 
-/* Tags of a window. LINEAR is reserved for segment sources, whose distance is sigma plus the distance to a line. Bits from SERIAL upwards
- * number windows that must not be joined. */
-enum { GD__WINDOW_PROPAGATED = 1, GD__WINDOW_LINEAR = 2, GD__WINDOW_SERIAL = 4 };
+/* Tags of a window that is handled by itself. FAR_SIDE: of side 1 of an edge, in the frame of side 0. Bits from SERIAL upwards number windows
+ * that must not be joined. */
+enum { GD__WINDOW_FAR_SIDE = 1, GD__WINDOW_SERIAL = 4 };
+
+/* Set in a source's number: the window is linear, of a segment source: its distance is sigma plus the distance to a line. Reserved. */
+#define GD__SOURCE_LINEAR (UINT32_C(1) << 31)
 
 struct gd__window {
     double b0, b1;

@@ -64,7 +64,7 @@ static bool read_pair(struct server_exchange *exchange, const char *const *field
 static void reply_status(struct server_exchange *exchange, enum gd_status status)
 {
     struct proto_problem problem;
-    if (status == GD_INTERNAL) server_metrics_count_failed_check(exchange->server->metrics);
+    if (status == GD_INTERNAL || status == GD_RUNAWAY) server_metrics_count_failed_check(exchange->server->metrics);
     if (status == GD_BUDGET)
         server_budget_refuse(&exchange->server->budget, "the field", 0, &problem);
     else
@@ -124,6 +124,8 @@ static void crash(struct server_exchange *exchange, struct server_flight *flight
         server_cache_fail(flight, SERVER_REFUSAL_MEMORY);
     else if (status == GD_INTERNAL)
         server_cache_fail(flight, SERVER_REFUSAL_INTERNAL);
+    else if (status == GD_RUNAWAY)
+        server_cache_fail(flight, SERVER_REFUSAL_RUNAWAY);
     else
         server_cache_abandon(flight);
     reply_status(exchange, status);

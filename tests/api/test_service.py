@@ -1,6 +1,8 @@
 """The daemon as a whole: start, health, headers, who may speak to it, the two lanes, overload, deadlines, drain."""
 import concurrent.futures
+import json
 import pathlib
+import re
 import signal
 import socket
 import subprocess
@@ -15,6 +17,17 @@ from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, sample
 def slow_mesh():
     """A mesh on which one field takes long enough to watch: a rough terrain without flat parts."""
     return sample("terrain", cells=256, amplitude=1)
+
+
+# What the processor must be able to do for each of the kernels, slowest first.
+KERNELS = {"baseline": set(), "avx2": {"avx2"}, "avx512": {"avx512f", "avx512vl", "avx512dq"}}
+
+
+def own_kernels():
+    """Those that this machine can run, slowest first."""
+    flags = re.search(r"^flags\s*:(.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    abilities = set(flags[1].split()) if flags else set()
+    return [name for name, needed in KERNELS.items() if needed <= abilities]
 
 
 def all_of(count, call):
@@ -36,7 +49,7 @@ class Start(unittest.TestCase):
     def test_help_and_version(self):
         answer = run("--help")
         self.assertEqual(answer.returncode, 0)
-        for flag in ("--listen", "--memory-budget", "--drain-ms"):
+        for flag in ("--listen", "--cpu", "--memory-budget", "--drain-ms"):
             self.assertIn(flag, answer.stdout)
         self.assertRegex(run("--version").stdout, r"^geodesicd \d+\.\d+\.\d+\n$")
 
@@ -68,6 +81,16 @@ class Start(unittest.TestCase):
             self.assert_refused(run("--config", str(file)), f"{file}:1", "workers")
         self.assert_refused(run(environment={"GEODESICD_WORKERS": "none"}), "GEODESICD_WORKERS")
 
+    def test_kernels_that_do_not_exist(self):
+        self.assert_refused(run("--cpu", "sse"), "'sse'", "auto, baseline, avx2 or avx512")
+        self.assert_refused(run(environment={"GEODESICD_CPU": ""}), "GEODESICD_CPU")
+
+    def test_kernels_that_this_machine_lacks(self):
+        for name in set(KERNELS) - set(own_kernels()):
+            result = run("--cpu", name, "--store", "memory", "--listen", "127.0.0.1:0")
+            self.assertEqual(result.returncode, 1, result)
+            self.assertIn(f"--cpu {name} ", json.loads(result.stderr)["message"])
+
     def test_unix_socket(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "geodesicd.socket"
@@ -77,6 +100,32 @@ class Start(unittest.TestCase):
                     connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
                     self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 200 "))
             self.assertFalse(path.exists())
+
+
+class Cpu(unittest.TestCase):
+    """Kernels are a matter of speed: what a client sees is the same to the last bit."""
+
+    def answers(self, cpu, files):
+        with Daemon("--cpu", cpu) as daemon:
+            name = cpu if cpu != "auto" else own_kernels()[-1]
+            self.assertIn(f'cpu="{name}"', daemon.get("/metrics").body.decode())
+            self.assertEqual([line["cpu"] for line in daemon.log if line["event"] == "listening"], [name])
+            bodies = []
+            for number, file in enumerate(files):
+                self.assertEqual(daemon.put(f"m{number}", file).status, 201)
+                faces = daemon.get(f"/v1/meshes/m{number}").json["faces"]
+                for source in range(8):
+                    pair = f"from=f:{source * 97 % faces}:0.2,0.3,0.5&to=f:{source * 389 % faces}:0.6,0.3,0.1"
+                    answer = daemon.get(f"/v1/meshes/m{number}/path?{pair}")
+                    self.assertEqual(answer.status, 200, answer)
+                    bodies.append(answer.body)
+            return bodies
+
+    def test_answers_are_the_same_to_the_last_bit(self):
+        files = [sample("icosphere", level=4), sample("terrain", cells=32, amplitude=1), sample("torus")]
+        expected = self.answers("baseline", files)
+        for cpu in ("auto", *own_kernels()[1:]):
+            self.assertEqual(self.answers(cpu, files), expected, cpu)
 
 
 class Service(TestCase):
@@ -311,7 +360,10 @@ class Memory(TestCase):
         problem = self.assert_problem(large, 507, "insufficient_memory")
         self.assertEqual(problem["limit"], 72 << 20)
         self.assertEqual(self.daemon.get("/v1/meshes/ball/distance?from=v:3&to=p:0,0,-9").status, 200)
-        self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+        metrics = self.daemon.get("/metrics").body.decode()
+        self.assertIn('memory_bytes{class="flight"} 0\n', metrics)
+        self.assertRegex(metrics, r'memory_bytes\{class="workspaces"\} [1-9]')
+        self.assertIn(f'memory_bytes{{class="spare"}} {(72 << 20) // 16}\n', metrics)
 
 
 class Drain(unittest.TestCase):

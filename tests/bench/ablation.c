@@ -24,13 +24,13 @@ const char *setting_name(enum setting setting)
 struct gd__methods setting_methods(enum setting setting, enum structure structure)
 {
     struct gd__methods methods = settings[setting].methods;
-    methods.separate_sides = structure == HALF_EDGE;
+    methods.one_list = structure != HALF_EDGE;
     return methods;
 }
 
 static bool measure(const struct paper_model *model, uint32_t sources)
 {
-    struct gd_mesh *mesh = bench_open(model->sample);
+    struct gd_mesh *mesh = bench_open(model->sample, NULL);
     if (!mesh) return false;
     ablation_edges(model, mesh);
     ablation_wedges(model, mesh, sources ? sources : model->sources);

@@ -38,7 +38,7 @@ enum { COMBINATIONS = 16 };
 static struct gd__methods combination(int bits)
 {
     return (struct gd__methods){
-        .separate_sides = bits & 1, .no_filter = bits & 2, .no_cone = bits & 4, .no_coalescing = bits & 8};
+        .one_list = bits & 1, .no_filter = bits & 2, .no_cone = bits & 4, .no_coalescing = bits & 8};
 }
 
 static double difference(double a, double b)
@@ -98,7 +98,7 @@ bool ablation_agreement(void)
     double worst = 0;
     bool all = true;
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
-        struct gd_mesh *mesh = bench_open(meshes[i]);
+        struct gd_mesh *mesh = bench_open(meshes[i], NULL);
         double here = mesh ? worst_of(mesh, &rng) : HUGE_VAL;
         printf("%s every combination of methods agrees on %s: %.1e\n", here <= AGREEMENT ? "ok" : "not ok", meshes[i],
                here);

@@ -11,13 +11,18 @@
 
 enum { BENCH_USAGE = 2 }; /* exit status; the reason is on standard error already */
 
-/* --- the subcommands: ablation.c, field.c, pair.c. `arguments` ends with NULL; returns the exit status. ------------------ */
+/* --- the subcommands, each in a source of its name. `arguments` ends with NULL; returns the exit status. ----------------- */
 
 int bench_ablation(char **arguments);
 int bench_field(char **arguments);
 int bench_pair(char **arguments);
+int bench_warm(char **arguments);
+int bench_locate(char **arguments);
+int bench_load(char **arguments);
+int bench_peer(char **arguments);
+int bench_export(char **arguments);
 
-/* --- input.c: arguments and meshes --------------------------------------------------------------------------------------- */
+/* --- options.c: arguments ------------------------------------------------------------------------------------------------ */
 
 /* Takes "NAME NUMBER" from the front of the arguments if it is there. False, after a sentence, when the number is wrong. */
 bool bench_take_count(char ***arguments, const char *name, uint32_t *count);
@@ -28,12 +33,45 @@ bool bench_take_word(char ***arguments, const char *word);
 /* No option is left, and a mesh is if `wants_mesh`; else false, after a sentence. */
 bool bench_arguments_end(char **arguments, bool wants_mesh);
 
-/* A mesh from a file of any format of gd/io.h, or from "sample:NAME[,key=value...]"; the caller releases it. NULL, after a sentence, when
- * there is none. */
-struct gd_mesh *bench_open(const char *argument);
+/* What all subcommands that measure understand. */
+struct bench_options {
+    uint32_t runs;   /* --runs: repetitions; set to the subcommand's default before parsing */
+    bool repair;     /* --repair: what is no surface is cut apart, see gd_mesh_options */
+    uint32_t levels; /* --subdivide: so many times every triangle is split at the middles of its edges */
+    double noise;    /* --noise: then every vertex is moved along its normal by up to so many mean edges */
+};
+
+/* Takes all options from the front, in any order, and pins the process (--pin CPU). A mesh must follow. False, after a sentence, on misuse. */
+bool bench_take_options(char ***arguments, struct bench_options *options);
+
+/* --- input.c: meshes ----------------------------------------------------------------------------------------------------- */
+
+/* Bytes of a mesh file, mapped. */
+struct bench_file {
+    const void *bytes;
+    size_t size;
+};
+
+/* False, after a sentence, when it can't be read or is empty. */
+bool bench_map_file(const char *path, struct bench_file *file);
+void bench_unmap_file(struct bench_file *file);
+
+/* Is it "sample:NAME[,key=value...]"? */
+bool bench_is_sample(const char *argument);
+
+/* The polygons of a file of any format of gd/io.h, or of a sample, altered as `options` say; the caller frees them. False, after a sentence,
+ * when there are none. */
+bool bench_read(const char *argument, const struct bench_options *options, struct gd_polygons *out);
+
+/* The same as a mesh, which the caller releases. NULL, after a sentence, when there is none. `options` may be NULL. */
+struct gd_mesh *bench_open(const char *argument, const struct bench_options *options);
 
 /* A random point of that kind on a random face. */
 struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kind kind, struct rng *rng);
+
+/* Parses the options, `runs` being the default of --runs, and measures each mesh of the arguments in turn. Returns the exit status. */
+int bench_each_mesh(char **arguments, uint32_t runs,
+                    void (*measure)(const char *name, const struct gd_mesh *mesh, const struct bench_options *options));
 
 /* --- measure.c: clocks, memory, statistics, output ----------------------------------------------------------------------- */
 
@@ -62,5 +100,11 @@ static inline double bench_median(double *values, uint32_t count)
 
 /* Writes `"key":"text",`, the text escaped. */
 void bench_print_text(const char *key, const char *text);
+
+/* Opens a line's object: the mesh's name and sizes, and a comma. */
+void bench_print_mesh(const char *name, const struct gd_mesh *mesh);
+
+/* Closes it: the peak memory, and the line's end. */
+void bench_print_end(void);
 
 #endif

@@ -5,20 +5,23 @@
 #include "gd/field.h"
 #include "tests/bench/bench.h"
 
-/* Sums over the runs. */
+/* Of all runs: sums, and the times of each, by the clock and of the processor. */
 struct totals {
     double created, propagated, wedges, bytes;
+    double *ms, *cpu_ms;
 };
 
-static double time_field(const struct gd_mesh *mesh, struct gd_point source, struct totals *totals)
+static void add_field(const struct gd_mesh *mesh, struct gd_point source, uint32_t run, struct totals *totals)
 {
     struct gd_seed seed = {.point = source};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
+    double start_cpu_ms = bench_thread_ms();
     uint64_t start = gd_now_ns();
     enum gd_status status =
         gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail);
-    double ms = bench_ms_since(start);
+    totals->ms[run] = bench_ms_since(start);
+    totals->cpu_ms[run] = bench_thread_ms() - start_cpu_ms;
     bench_require(status, &detail);
     const struct gd_field_statistics *statistics = gd_field_statistics(field);
     totals->created += (double)statistics->windows_created;
@@ -26,43 +29,39 @@ static double time_field(const struct gd_mesh *mesh, struct gd_point source, str
     totals->wedges += (double)statistics->wedges;
     totals->bytes += (double)gd_field_memsize(field);
     gd_field_release(field);
-    return ms;
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, uint32_t runs)
+static void print_totals(const struct totals *totals, uint32_t runs, uint32_t edges)
 {
-    double *ms = bench_allocate(sizeof *ms * runs);
-    struct totals first = {0}, totals = {0};
+    printf("\"windows_created\":%.0f,\"windows_propagated\":%.0f,\"wedges\":%.0f,\"bytes\":%.0f,",
+           totals->created / runs, totals->propagated / runs, totals->wedges / runs, totals->bytes / runs);
+    printf("\"wedges_per_edge\":%.2f,\"bytes_per_edge\":%.1f,", totals->wedges / runs / edges,
+           totals->bytes / runs / edges);
+}
+
+/* The first field of the process, which finds no memory warm, apart from the runs; the first run has its source again. */
+static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+{
+    uint32_t runs = options->runs;
+    double *times = bench_allocate(2 * sizeof *times * runs), first_ms, first_cpu_ms;
+    struct totals first = {.ms = &first_ms, .cpu_ms = &first_cpu_ms}, totals = {.ms = times, .cpu_ms = times + runs};
     struct rng rng = {1};
     struct gd_point source = bench_random_point(mesh, GD_POINT_FACE, &rng);
-    double first_ms = time_field(mesh, source, &first);
-    for (uint32_t i = 0; i < runs; i++) {
-        ms[i] = time_field(mesh, source, &totals);
+    add_field(mesh, source, 0, &first);
+    for (uint32_t run = 0; run < runs; run++) {
+        add_field(mesh, source, run, &totals);
         source = bench_random_point(mesh, GD_POINT_FACE, &rng);
     }
-    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
-    printf("{");
-    bench_print_text("mesh", name);
-    printf("\"vertices\":%u,\"faces\":%u,\"edges\":%u,\"runs\":%u,", summary->vertices, summary->faces, summary->edges,
-           runs);
-    printf("\"field_ms\":%.3f,\"field_ms_p95\":%.3f,\"first_ms\":%.3f,", bench_median(ms, runs),
-           bench_quantile(ms, runs, 0.95), first_ms);
-    printf("\"windows_created\":%.0f,\"windows_propagated\":%.0f,\"wedges\":%.0f,\"bytes\":%.0f,\"peak_bytes\":%llu}\n",
-           totals.created / runs, totals.propagated / runs, totals.wedges / runs, totals.bytes / runs,
-           (unsigned long long)bench_peak_bytes());
-    fflush(stdout);
-    free(ms);
+    bench_print_mesh(name, mesh);
+    printf("\"runs\":%u,\"field_ms\":%.3f,\"field_ms_p95\":%.3f,\"field_cpu_ms\":%.3f,\"first_ms\":%.3f,", runs,
+           bench_median(totals.ms, runs), bench_quantile(totals.ms, runs, 0.95), bench_median(totals.cpu_ms, runs),
+           first_ms);
+    print_totals(&totals, runs, gd_mesh_summary(mesh)->edges);
+    bench_print_end();
+    free(times);
 }
 
 int bench_field(char **arguments)
 {
-    uint32_t runs = 20;
-    if (!bench_take_count(&arguments, "--runs", &runs) || !bench_arguments_end(arguments, true)) return BENCH_USAGE;
-    for (; *arguments; arguments++) {
-        struct gd_mesh *mesh = bench_open(*arguments);
-        if (!mesh) return EXIT_FAILURE;
-        measure(*arguments, mesh, runs);
-        gd_mesh_release(mesh);
-    }
-    return EXIT_SUCCESS;
+    return bench_each_mesh(arguments, 20, measure);
 }

@@ -1,80 +1,58 @@
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "gd/io.h"
+#include "tests/bench/alter.h"
 #include "tests/bench/bench.h"
 #include "tests/samples/argument.h"
 
-/* --- arguments ----------------------------------------------------------------------------------------------------------- */
+/* --- files --------------------------------------------------------------------------------------------------------------- */
 
-bool bench_take_word(char ***arguments, const char *word)
+bool bench_map_file(const char *path, struct bench_file *file)
 {
-    if (!**arguments || strcmp(**arguments, word) != 0) return false;
-    ++*arguments;
-    return true;
+    struct stat state;
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    void *bytes = MAP_FAILED;
+    if (descriptor >= 0 && fstat(descriptor, &state) == 0)
+        bytes = mmap(NULL, (size_t)state.st_size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor, 0);
+    if (bytes == MAP_FAILED)
+        fprintf(stderr, "gd_bench: %s can't be read, or is empty: %s.\n", path, strerror(errno));
+    else
+        *file = (struct bench_file){bytes, (size_t)state.st_size};
+    if (descriptor >= 0) close(descriptor);
+    return bytes != MAP_FAILED;
 }
 
-bool bench_take_count(char ***arguments, const char *name, uint32_t *count)
+void bench_unmap_file(struct bench_file *file)
 {
-    if (!bench_take_word(arguments, name)) return true;
-    const char *text = **arguments ? **arguments : "";
-    char *end;
-    unsigned long value = strtoul(text, &end, 10);
-    if (end == text || *end || value < 1 || value > 1000000) {
-        fprintf(stderr, "gd_bench: %s must be followed by a number from 1 to 1000000, not by \"%s\".\n", name, text);
-        return false;
-    }
-    ++*arguments;
-    *count = (uint32_t)value;
-    return true;
+    munmap((void *)file->bytes, file->size);
+    *file = (struct bench_file){NULL, 0};
 }
 
-bool bench_arguments_end(char **arguments, bool wants_mesh)
+static bool read_file(const char *path, struct gd_polygons *out)
 {
-    if (*arguments && **arguments == '-') {
-        fprintf(stderr, "gd_bench: there is no option \"%s\" here; gd_bench alone lists what there is.\n", *arguments);
-        return false;
-    }
-    if (wants_mesh && !*arguments) {
-        fputs("gd_bench: name a mesh: a file, or sample:NAME[,key=value...].\n", stderr);
-        return false;
-    }
-    return true;
-}
-
-/* --- meshes -------------------------------------------------------------------------------------------------------------- */
-
-/* The file's bytes, malloc'ed; NULL when it can't be read. */
-static char *read_file(const char *path, size_t *size)
-{
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
-    char *bytes = NULL;
-    if (fseek(file, 0, SEEK_END) == 0) {
-        long length = ftell(file);
-        rewind(file);
-        bytes = length < 0 ? NULL : malloc((size_t)length + 1);
-        *size = bytes ? fread(bytes, 1, (size_t)length, file) : 0;
-    }
-    fclose(file);
-    return bytes;
-}
-
-static bool read_polygons(const char *path, struct gd_polygons *out)
-{
-    size_t size = 0;
-    char *bytes = read_file(path, &size);
-    if (!bytes) {
-        fprintf(stderr, "gd_bench: %s can't be read: %s.\n", path, strerror(errno));
-        return false;
-    }
+    struct bench_file file;
+    if (!bench_map_file(path, &file)) return false;
     struct gd_detail detail = {0};
-    enum gd_status status = gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, out, &detail);
-    free(bytes);
+    enum gd_status status = gd_read_polygons(file.bytes, file.size, GD_FORMAT_ANY, NULL, out, &detail);
+    bench_unmap_file(&file);
     if (status) fprintf(stderr, "gd_bench: %s: %s (%s)\n", path, gd_status_sentence(status), detail.text);
     return !status;
+}
+
+/* --- samples ------------------------------------------------------------------------------------------------------------- */
+
+static const char sample_prefix[] = "sample:";
+
+bool bench_is_sample(const char *argument)
+{
+    return strncmp(argument, sample_prefix, sizeof sample_prefix - 1) == 0;
 }
 
 /* `text`, "NAME[,key=value...]", is cut up. */
@@ -95,31 +73,57 @@ static bool make_sample(char *text, struct gd_polygons *out)
     return !status;
 }
 
-struct gd_mesh *bench_open(const char *argument)
+static bool read_sample(const char *argument, struct gd_polygons *out)
 {
-    static const char prefix[] = "sample:";
+    char *text = bench_allocate(strlen(argument) + 1);
+    strcpy(text, argument + sizeof sample_prefix - 1);
+    bool made = make_sample(text, out);
+    free(text);
+    return made;
+}
+
+/* --- meshes -------------------------------------------------------------------------------------------------------------- */
+
+bool bench_read(const char *argument, const struct bench_options *options, struct gd_polygons *out)
+{
+    bool is_read = bench_is_sample(argument) ? read_sample(argument, out) : read_file(argument, out);
+    if (!is_read || (!options->levels && !options->noise)) return is_read;
+    enum gd_status status = out->first ? GD_NOT_TRIANGLES : GD_OK;
+    if (status == GD_OK) status = alter_subdivide(out, options->levels);
+    if (status == GD_OK && options->noise > 0) status = alter_roughen(out, options->noise);
+    if (status == GD_OK) return true;
+    fprintf(stderr, "gd_bench: %s can't be subdivided or roughened: %s.\n", argument, gd_status_sentence(status));
+    gd_polygons_free(out);
+    return false;
+}
+
+struct gd_mesh *bench_open(const char *argument, const struct bench_options *options)
+{
+    struct bench_options none = {0};
+    if (!options) options = &none;
     struct gd_polygons polygons;
-    bool opened;
-    if (strncmp(argument, prefix, sizeof prefix - 1) == 0) {
-        char *text = bench_allocate(strlen(argument) + 1);
-        strcpy(text, argument + sizeof prefix - 1);
-        opened = make_sample(text, &polygons);
-        free(text);
-    } else {
-        opened = read_polygons(argument, &polygons);
-    }
-    if (!opened) return NULL;
+    if (!bench_read(argument, options, &polygons)) return NULL;
     struct gd_mesh *mesh = NULL;
     struct gd_detail detail = {0};
-    enum gd_status status = gd_mesh_build(&polygons, NULL, NULL, &mesh, &detail);
+    struct gd_mesh_options building = {.repair_split = options->repair};
+    enum gd_status status = gd_mesh_build(&polygons, &building, NULL, &mesh, &detail);
     gd_polygons_free(&polygons);
     if (status) fprintf(stderr, "gd_bench: %s: %s (%s)\n", argument, gd_status_sentence(status), detail.text);
     return mesh;
 }
 
+/* A face of the mesh, each as likely but for those that repair removed. */
+static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
+{
+    struct gd_face face;
+    do face.index = rng_below(rng, gd_mesh_summary(mesh)->face_index_count);
+    while (!gd_mesh_has_face(mesh, face));
+    return face;
+}
+
 struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kind kind, struct rng *rng)
 {
-    struct gd_face face = {rng_below(rng, gd_mesh_summary(mesh)->faces)};
+    struct gd_face face = random_face(mesh, rng);
     double u = rng_unit(rng), v = rng_unit(rng), w[3] = {fmin(u, v), fmax(u, v) - fmin(u, v), 1 - fmax(u, v)};
     struct gd_vertex corners[3];
     gd_mesh_corners(mesh, face, corners);
@@ -132,4 +136,18 @@ struct gd_point bench_random_point(const struct gd_mesh *mesh, enum gd_point_kin
     else
         bench_require(gd_point_in_face(mesh, face, w, &point, &detail), &detail);
     return point;
+}
+
+int bench_each_mesh(char **arguments, uint32_t runs,
+                    void (*measure)(const char *name, const struct gd_mesh *mesh, const struct bench_options *options))
+{
+    struct bench_options options = {.runs = runs};
+    if (!bench_take_options(&arguments, &options)) return BENCH_USAGE;
+    for (; *arguments; arguments++) {
+        struct gd_mesh *mesh = bench_open(*arguments, &options);
+        if (!mesh) return EXIT_FAILURE;
+        measure(*arguments, mesh, &options);
+        gd_mesh_release(mesh);
+    }
+    return EXIT_SUCCESS;
 }

@@ -8,11 +8,16 @@ static const struct {
     const char *name, *arguments, *sentence;
     int (*run)(char **arguments);
 } commands[] = {
+    {"field", "[OPTION...] MESH...", "fields of random sources: time, windows, wedges, memory", bench_field},
+    {"pair", "[OPTION...] MESH...", "distances of random pairs of points, each from nothing", bench_pair},
+    {"warm", "[OPTION...] MESH...", "distances and paths from a field that is kept", bench_warm},
+    {"locate", "[OPTION...] MESH...", "nearest points and first hits of rays", bench_locate},
+    {"load", "[OPTION...] MESH...", "from a file to a mesh: reading, parsing, building", bench_load},
+    {"peer", "[--pair] MESH VERTEX...", "the engine by the protocol of races (tests/bench/peer.h)", bench_peer},
+    {"export", "[OPTION...] MESH", "the mesh as every solver takes it, OBJ on standard output", bench_export},
     {"ablation", "[--quick] [--sources N] [MODEL...]",
      "the paper's tables remade; --quick: only check that every combination of methods gives the same distances",
      bench_ablation},
-    {"field", "[--runs N] MESH...", "fields of random sources: time, windows, wedges, memory", bench_field},
-    {"pair", "[--pairs N] MESH...", "distances of random pairs of points, each from nothing", bench_pair},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
@@ -21,7 +26,12 @@ static void print_usage(void)
     for (int i = 0; i < COMMANDS; i++)
         fprintf(stderr, "%s gd_bench %s %s\n           %s\n", i ? "      " : "usage:", commands[i].name,
                 commands[i].arguments, commands[i].sentence);
-    fputs("MESH is a file in any format that the engine reads, or sample:NAME[,key=value...] (see gd_sample --list).\n",
+    fputs("MESH is a file in any format that the engine reads, or sample:NAME[,key=value...] (see gd_sample --list).\n"
+          "OPTION: --runs N        repetitions: sources, pairs, rounds of questions, loadings\n"
+          "        --pin CPU       stay on that processor\n"
+          "        --repair        cut apart what is no surface\n"
+          "        --subdivide N   split every triangle at the middles of its edges, N times\n"
+          "        --noise A       then move every vertex along its normal by up to A mean edges\n",
           stderr);
 }
 

@@ -65,3 +65,17 @@ void bench_print_text(const char *key, const char *text)
     }
     fputs("\",", stdout);
 }
+
+void bench_print_mesh(const char *name, const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    putchar('{');
+    bench_print_text("mesh", name);
+    printf("\"vertices\":%u,\"faces\":%u,\"edges\":%u,", summary->vertices, summary->faces, summary->edges);
+}
+
+void bench_print_end(void)
+{
+    printf("\"peak_bytes\":%llu}\n", (unsigned long long)bench_peak_bytes());
+    fflush(stdout);
+}

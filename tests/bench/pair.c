@@ -10,15 +10,17 @@ static double time_pair(const struct gd_mesh *mesh, const struct gd_point *from,
     struct gd_pair_answer answer = {0};
     struct gd_detail detail = {0};
     uint64_t start = gd_now_ns();
-    enum gd_status status = gd_pair_solve(mesh, from, to, false, NULL, &answer, &detail);
+    enum gd_status status = gd_pair_solve(mesh, from, to, false, NULL, NULL, &answer, &detail);
     double ms = bench_ms_since(start);
     bench_require(status, &detail);
     gd_pair_answer_free(&answer);
     return ms;
 }
 
-static void measure(const char *name, const struct gd_mesh *mesh, uint32_t pairs)
+/* Every run is a fresh pair; the process' first one is solved once more as the first run. */
+static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
 {
+    uint32_t pairs = options->runs;
     double *ms = bench_allocate(sizeof *ms * pairs), first_ms = 0;
     struct rng rng = {2};
     for (uint32_t i = 0; i < pairs; i++) {
@@ -27,24 +29,14 @@ static void measure(const char *name, const struct gd_mesh *mesh, uint32_t pairs
         if (i == 0) first_ms = time_pair(mesh, &from, &to);
         ms[i] = time_pair(mesh, &from, &to);
     }
-    printf("{");
-    bench_print_text("mesh", name);
-    printf("\"vertices\":%u,\"pairs\":%u,", gd_mesh_summary(mesh)->vertices, pairs);
-    printf("\"pair_ms_median\":%.3f,\"pair_ms_p95\":%.3f,\"first_ms\":%.3f,\"peak_bytes\":%llu}\n",
-           bench_median(ms, pairs), bench_quantile(ms, pairs, 0.95), first_ms, (unsigned long long)bench_peak_bytes());
-    fflush(stdout);
+    bench_print_mesh(name, mesh);
+    printf("\"pairs\":%u,\"pair_ms_median\":%.3f,\"pair_ms_p95\":%.3f,\"first_ms\":%.3f,", pairs,
+           bench_median(ms, pairs), bench_quantile(ms, pairs, 0.95), first_ms);
+    bench_print_end();
     free(ms);
 }
 
 int bench_pair(char **arguments)
 {
-    uint32_t pairs = 50;
-    if (!bench_take_count(&arguments, "--pairs", &pairs) || !bench_arguments_end(arguments, true)) return BENCH_USAGE;
-    for (; *arguments; arguments++) {
-        struct gd_mesh *mesh = bench_open(*arguments);
-        if (!mesh) return EXIT_FAILURE;
-        measure(*arguments, mesh, pairs);
-        gd_mesh_release(mesh);
-    }
-    return EXIT_SUCCESS;
+    return bench_each_mesh(arguments, 50, measure);
 }

@@ -6,7 +6,7 @@
 #include "tests/bench/bench.h"
 
 struct recorder {
-    struct gd_field *field; /* as gd_field_build would make it, but for the methods */
+    struct gd_field *field; /* as gd_field_build makes it, but for the methods */
     struct trial *trial;
     double start_ms;
 };
@@ -19,30 +19,53 @@ static enum gd_status record(void *user, struct gd__wavefront *front, const stru
     trial->ms = bench_thread_ms() - recorder->start_ms;
     trial->produced = front->effort.windows_created;
     trial->propagated = front->effort.windows_propagated;
-    for (uint32_t side = 0; side < 2 * front->mesh->edge_count; side++) trial->kept_half += front->lists[side].count;
     return gd__field_take(recorder->field, front, executor);
 }
 
-static uint64_t count_wedges(const struct gd_field *field)
+/* Wedges of the final stage: as stored, without gaps, and with the chunks of each edge merged into one list. */
+static void count_wedges(const struct gd_field *field, struct trial *trial)
 {
-    uint64_t count = 0;
-    for (uint64_t i = 0; i < field->statistics.wedges; i++) count += field->wedges[i].source != GD_NONE; /* no gaps */
-    return count;
+    const struct gd_mesh *mesh = field->mesh;
+    for (uint32_t edge = 0; edge < mesh->edge_count; edge++) {
+        struct gd_vertex a = {mesh->index_of_vertex[mesh->origin[2 * edge]]},
+                         b = {mesh->index_of_vertex[mesh->origin[2 * edge + 1]]};
+        struct gd_wedge *wedges;
+        uint32_t count;
+        bench_require(gd_field_wedges(field, a, b, &wedges, &count), NULL);
+        free(wedges);
+        trial->kept_merged += count;
+        for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+            const struct gd__chunk *chunk = gd__field_chunk(field, at);
+            for (uint32_t i = 0; i < chunk->count; i++)
+                trial->kept_half += gd__wedge_source(gd__chunk_wedges(chunk).start[i]) != GD_NONE;
+        }
+    }
+}
+
+/* A field without wedges yet, from one seed. */
+static struct gd_field *open_field(const struct gd_mesh *mesh, const struct gd_point *source)
+{
+    struct gd_field *field = gd__field_create(mesh);
+    if (!field) bench_require(GD_NO_MEMORY, NULL);
+    field->seeds = bench_allocate(sizeof *field->seeds);
+    field->seeds[0] = (struct gd__seed){.point = *source};
+    field->seed_count = 1;
+    return field;
 }
 
 struct trial trial_run(const struct gd_mesh *mesh, const struct trial_request *request)
 {
-    struct gd__seed seed = {.point = request->source};
-    struct gd__propagation propagation = {
-        .seeds = &seed, .seed_count = 1, .radius = GD__FAR, .target = request->target, .methods = request->methods};
     struct trial trial = {0};
-    struct gd_field *field = bench_allocate(sizeof *field);
-    *field = (struct gd_field){.mesh = gd_mesh_retain(mesh)};
-    atomic_init(&field->references, 1);
+    struct gd_field *field = open_field(mesh, &request->source);
+    struct gd__propagation propagation = {.seeds = field->seeds,
+                                          .seed_count = field->seed_count,
+                                          .radius = GD__FAR,
+                                          .target = request->target,
+                                          .methods = request->methods};
     struct recorder recorder = {.field = field, .trial = &trial, .start_ms = bench_thread_ms()};
     struct gd__sink sink = {.take = record, .user = &recorder};
     bench_require(gd__wavefront_run(mesh, &propagation, &sink, NULL, NULL), NULL);
-    trial.kept_merged = count_wedges(field);
+    count_wedges(field, &trial);
     if (request->distances) gd_field_vertex_distances(field, request->distances);
     gd_field_release(field);
     return trial;

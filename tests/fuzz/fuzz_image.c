@@ -58,11 +58,13 @@ static void ask_everywhere(const struct gd_field *field)
                 gd_path_free(&path);
         }
     }
-    for (uint32_t a = 0; a < 9; a++) {
-        struct gd_wedge *wedges;
-        uint32_t count;
-        if (gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){(a + 1) % 9}, &wedges, &count) == GD_OK)
-            free(wedges);
+    for (uint32_t a = 0; a < 9; a++) { /* every edge, in both directions: its chunks are merged */
+        for (uint32_t b = 0; b < 9; b++) {
+            struct gd_wedge *wedges;
+            uint32_t count;
+            if (gd_field_wedges(field, (struct gd_vertex){a}, (struct gd_vertex){b}, &wedges, &count) == GD_OK)
+                free(wedges);
+        }
     }
 }
 

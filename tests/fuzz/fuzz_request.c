@@ -56,7 +56,7 @@ static void answer(const struct proto_pair *pair)
         require_sentence(&problem);
         return;
     }
-    require(gd_pair_solve(cube(), &located.from, &located.to, true, NULL, &result, NULL) == GD_OK);
+    require(gd_pair_solve(cube(), &located.from, &located.to, true, NULL, NULL, &result, NULL) == GD_OK);
     require(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
     proto_writer_init(&writer, 1 << 20);

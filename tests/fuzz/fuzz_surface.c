@@ -55,7 +55,7 @@ static struct gd_point some_point(const struct gd_mesh *mesh, uint32_t seed)
 static double ask(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to)
 {
     struct gd_pair_answer answer;
-    require(gd_pair_solve(mesh, from, to, true, NULL, &answer, NULL) == GD_OK);
+    require(gd_pair_solve(mesh, from, to, true, NULL, NULL, &answer, NULL) == GD_OK);
     double distance = answer.distance;
     require(distance >= 0);
     if (isfinite(distance)) {

@@ -255,7 +255,7 @@ static double check_path(const struct gd_field *field, struct gd_point target, d
 static double check_pair(const struct gd_mesh *mesh, struct gd_point source, struct gd_point target, double expected)
 {
     struct gd_pair_answer answer = {0};
-    check_ok(gd_pair_solve(mesh, &source, &target, false, NULL, &answer, NULL), NULL);
+    check_ok(gd_pair_solve(mesh, &source, &target, false, NULL, NULL, &answer, NULL), NULL);
     double error = check_close(answer.distance, expected, promise);
     gd_pair_answer_free(&answer);
     return error;

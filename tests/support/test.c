@@ -4,6 +4,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "gd/cpu.h"
+
+/* Before any test: a suite is run on chosen kernels without a word in it. */
+__attribute__((constructor)) static void select_kernels(void)
+{
+    const char *name = getenv("GEODESICD_CPU");
+    if (!name || gd_cpu_select(name) == GD_OK) return;
+    fprintf(stderr, "GEODESICD_CPU=%s: no such kernels on this machine.\n", name);
+    exit(EXIT_FAILURE);
+}
+
 double test_check_close(double actual, double expected, double relative, const char *file, int line)
 {
     if (actual == expected) return 0;

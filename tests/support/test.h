@@ -1,5 +1,5 @@
 /* What the engine's tests share: cmocka, comparison by relative error, and places on a mesh that engine, oracle and
- * closed forms all understand. */
+ * closed forms all understand. The environment's GEODESICD_CPU names the kernels to run on (gd/cpu.h). */
 #ifndef TESTS_SUPPORT_TEST_H
 #define TESTS_SUPPORT_TEST_H
 

@@ -17,6 +17,7 @@ struct gd_control {
     /* Called from the calling thread with the part done in [0,1], never decreasing; false cancels. May be NULL. */
     bool (*progress)(void *user, double fraction);
     void *user;
+    struct gd_workspace *workspace; /* memory of earlier calls, gd/workspace.h; NULL: none */
 };
 
 /* Nanoseconds on the monotonic clock. Thread-safe. */

@@ -5,6 +5,7 @@
 #define GD_QUERY_H
 
 #include "gd/field.h"
+#include "gd/landmarks.h"
 
 struct gd_pair_answer {
     double distance;     /* INFINITY: no path */
@@ -18,9 +19,11 @@ void gd_pair_answer_free(struct gd_pair_answer *answer);
 GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_point *from,
                                               const struct gd_point *to, bool want_path, struct gd_pair_answer *out);
 
-/* Point to point from nothing: propagates from `from` until `to` is final. Errors: those of gd_field_build and GD_INTERNAL. */
+/* Point to point from nothing: propagates only what can lie on a shortest path. `landmarks` of this mesh narrow the search, NULL: none; the answer is
+ * the same. Errors: those of gd_field_build. Cost: a small part of a field's; with a workspace in `control`, nothing that grows with the mesh. */
 GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from,
-                                         const struct gd_point *to, bool want_path, const struct gd_control *control,
+                                         const struct gd_point *to, bool want_path,
+                                         const struct gd_landmarks *landmarks, const struct gd_control *control,
                                          struct gd_pair_answer *out, struct gd_detail *detail);
 
 #endif

@@ -41,7 +41,8 @@
     X(60, CANCELLED, cancelled, "the caller cancelled the work")                                                       \
     X(61, DEADLINE, deadline, "the deadline passed")                                                                   \
     /* ours */                                                                                                         \
-    X(80, INTERNAL, internal, "a self-check failed")
+    X(80, INTERNAL, internal, "a self-check failed")                                                                   \
+    X(81, RUNAWAY, runaway, "the work grew far beyond what a surface of this size needs, and was stopped")
 
 enum gd_status {
 #define GD_STATUS_ENUM(number, NAME, name, sentence) GD_##NAME = (number),

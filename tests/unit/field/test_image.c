@@ -1,5 +1,6 @@
 #include "tests/support/test.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,47 +95,191 @@ static void refuses_what_is_no_image_of_this_mesh(void **state)
     assert_int_equal(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
                      GD_UNRECOGNIZED);
     image[0] ^= 1;
+    image[8] = 1; /* the version before this one */
+    assert_int_equal(gd_field_open_image(mesh, image, size, count_release, &released, &opened, &detail),
+                     GD_UNRECOGNIZED);
+    assert_non_null(strstr(detail.text, "version 1"));
     assert_int_equal(released, 0);
     assert_null(opened);
     gd_mesh_release(stranger);
     gd_polygons_free(&other);
 }
 
-/* Whatever byte is damaged: refused, or every answer is given without leaving the arrays (under AddressSanitizer). */
+/* --- damage -------------------------------------------------------------------------------------------------------------- */
+
+/* The image's own arrays, from its end. */
+static char *image_wedges(void)
+{
+    return image + size - field->seed_count * sizeof *field->seeds - field->wedge_bytes;
+}
+
+static uint32_t *image_newest(void)
+{
+    return (uint32_t *)(image_wedges() - ((mesh->edge_count * sizeof(uint32_t) + 7) & ~(size_t)7));
+}
+
+static struct gd__chunk *image_chunk(uint32_t at)
+{
+    return (struct gd__chunk *)(image_wedges() + (size_t)at * GD__CHUNK_UNIT);
+}
+
+/* Asked everywhere, whatever the answers: none may lead outside the image (under AddressSanitizer) or take for ever. */
+static void ask_everywhere(const struct gd_field *damaged, struct rng *rng)
+{
+    for (int k = 0; k < 5; k++) {
+        struct gd_point point = test_point(mesh, test_random_place(&polygons, rng));
+        double distance;
+        struct gd_path path;
+        enum gd_status status = gd_field_distance(damaged, &point, &distance);
+        if (!status && gd_field_path(damaged, &point, &path) == GD_OK) gd_path_free(&path);
+    }
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        struct gd_vertex a = {mesh->index_of_vertex[mesh->origin[2 * e]]},
+                         b = {mesh->index_of_vertex[mesh->origin[2 * e + 1]]};
+        struct gd_wedge *wedges;
+        uint32_t count;
+        if (gd_field_wedges(damaged, a, b, &wedges, &count) == GD_OK) free(wedges);
+    }
+}
+
+/* Opens the image as it is, asks everywhere if that is granted, and mends it. */
+static enum gd_status try_damaged(struct rng *rng)
+{
+    struct gd_field *opened = NULL;
+    struct gd_detail detail = {0};
+    enum gd_status status = gd_field_open_image(mesh, image, size, NULL, NULL, &opened, &detail);
+    if (status == GD_OK)
+        ask_everywhere(opened, rng);
+    else
+        assert_true(detail.text[0] != '\0' && !opened);
+    gd_field_release(opened);
+    gd_field_write_image(field, image);
+    return status;
+}
+
+/* The edge with the longest chain. */
+static uint32_t longest_chain(uint32_t *chunks)
+{
+    uint32_t best = 0;
+    *chunks = 0;
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        uint32_t count = 0;
+        for (uint32_t at = field->newest[e]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) count++;
+        if (count > *chunks) *chunks = count, best = e;
+    }
+    return best;
+}
+
+static void refuses_impossible_chains(void **state)
+{
+    (void)state;
+    struct rng rng = {16};
+    uint32_t chunks, edge = longest_chain(&chunks), newest = image_newest()[edge],
+                     units = (uint32_t)(field->wedge_bytes / GD__CHUNK_UNIT);
+    uint32_t first = newest;
+    while (image_chunk(first)->previous != GD_NONE) first = image_chunk(first)->previous;
+    assert_true(chunks >= 2);
+    image_chunk(newest)->previous = newest; /* a cycle of one */
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+    image_chunk(first)->previous = newest; /* a cycle of all */
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+    static const uint32_t beyond[] = {0, 1, 100, 1u << 30};
+    for (int i = 0; i < 4; i++) { /* outside the wedges */
+        image_newest()[edge] = units + beyond[i];
+        assert_int_equal(try_damaged(&rng), GD_INDEX);
+        image_chunk(newest)->previous = units + beyond[i];
+        assert_int_equal(try_damaged(&rng), GD_INDEX);
+    }
+    image_newest()[edge] = units - 1; /* half a chunk's header, and no more */
+    assert_int_equal(try_damaged(&rng) == GD_OK, false);
+    for (uint32_t e = 0; e < mesh->edge_count; e++) image_newest()[e] = newest; /* one chain in all edges */
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+}
+
+static void refuses_impossible_counts_and_sources(void **state)
+{
+    (void)state;
+    struct rng rng = {17};
+    static const uint32_t counts[] = {UINT32_MAX, UINT32_MAX / 24, 1u << 31, 1u << 28};
+    uint32_t chunks, newest = image_newest()[longest_chain(&chunks)];
+    for (int i = 0; i < 4; i++) {
+        image_chunk(newest)->count = counts[i];
+        assert_int_equal(try_damaged(&rng), GD_INDEX);
+    }
+    uint32_t last = 0; /* the chunk that ends where the wedges do: one more is outside */
+    for (uint32_t e = 0; e < mesh->edge_count; e++)
+        if (field->newest[e] != GD_NONE && field->newest[e] > last) last = field->newest[e];
+    image_chunk(last)->count++;
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+    struct gd__wedges w = gd__chunk_wedges(image_chunk(newest));
+    w.start[0] = (uint64_t)(mesh->vertex_count + field->seed_count) << 32;
+    assert_int_equal(try_damaged(&rng), GD_INDEX);
+    w.start[0] = (uint64_t)GD_NONE << 32; /* a gap is no source and may be anywhere */
+    assert_int_equal(try_damaged(&rng), GD_OK);
+}
+
+/* Chains that are possible and wrong: shared by a few edges, cut short, starts in disorder, numbers that are none. */
+static void wrong_wedges_never_lead_outside(void **state)
+{
+    (void)state;
+    struct rng rng = {18};
+    int opened = 0;
+    for (int i = 0; i < 300; i++) {
+        uint32_t edge, other = rng_below(&rng, mesh->edge_count);
+        do edge = rng_below(&rng, mesh->edge_count);
+        while (image_newest()[edge] == GD_NONE);
+        struct gd__chunk *chunk = image_chunk(image_newest()[edge]);
+        struct gd__wedges w = gd__chunk_wedges(chunk);
+        uint32_t k = rng_below(&rng, chunk->count);
+        switch (i % 6) {
+        case 0:
+            image_newest()[other] = image_newest()[edge];
+            break;
+        case 1:
+            chunk->count = rng_below(&rng, chunk->count);
+            break;
+        case 2:
+            w.start[k] = w.start[k] >> 32 << 32 | (uint32_t)rng_next(&rng);
+            break;
+        case 3:
+            w.x[k] = i % 2 ? NAN : INFINITY;
+            break;
+        case 4:
+            w.y[k] = i % 2 ? -NAN : 1e308;
+            break;
+        case 5:
+            for (k = 0; k < chunk->count; k++)
+                w.start[k] = (uint32_t)rng_next(&rng) | (uint64_t)rng_below(&rng, mesh->vertex_count) << 32;
+            break;
+        }
+        opened += try_damaged(&rng) == GD_OK;
+    }
+    print_message("# 300 images with wrong wedges: %d opened and asked\n", opened);
+    assert_true(opened > 150);
+}
+
+/* Whatever byte is damaged: refused, or every answer is given without leaving the arrays. */
 static void damage_never_leads_outside(void **state)
 {
     (void)state;
     struct rng rng = {15};
     int refused = 0;
     for (int i = 0; i < 3000; i++) {
-        size_t at = rng_below(&rng, (uint32_t)size);
-        char keep = image[at];
-        image[at] ^= (char)(1 << rng_below(&rng, 8));
-        struct gd_field *opened = NULL;
-        if (gd_field_open_image(mesh, image, size, NULL, NULL, &opened, NULL) == GD_OK) {
-            for (int k = 0; k < 5; k++) {
-                struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
-                double distance;
-                struct gd_path path;
-                enum gd_status status = gd_field_distance(opened, &point, &distance);
-                if (!status && gd_field_path(opened, &point, &path) == GD_OK) gd_path_free(&path);
-            }
-            gd_field_release(opened);
-        } else {
-            refused++;
-        }
-        image[at] = keep;
+        image[rng_below(&rng, (uint32_t)size)] ^= (char)(1 << rng_below(&rng, 8));
+        refused += try_damaged(&rng) != GD_OK;
     }
     print_message("# 3000 damaged field images: %d refused by their indices\n", refused);
     assert_true(refused > 100);
 }
 
+#define WITH_IMAGE(test) cmocka_unit_test_setup_teardown(test, make_image, drop_image)
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(answers_like_the_field, make_image, drop_image),
-        cmocka_unit_test_setup_teardown(refuses_what_is_no_image_of_this_mesh, make_image, drop_image),
-        cmocka_unit_test_setup_teardown(damage_never_leads_outside, make_image, drop_image),
+        WITH_IMAGE(answers_like_the_field),          WITH_IMAGE(refuses_what_is_no_image_of_this_mesh),
+        WITH_IMAGE(refuses_impossible_chains),       WITH_IMAGE(refuses_impossible_counts_and_sources),
+        WITH_IMAGE(wrong_wedges_never_lead_outside), WITH_IMAGE(damage_never_leads_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

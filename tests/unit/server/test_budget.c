@@ -42,6 +42,23 @@ static void adjusts_to_what_is_held(void **state)
     assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 1));
 }
 
+static void idle_workspaces_can_be_had_and_spare_memory_can_not(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_WORKSPACES, 30));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_SPARE, 10));
+    assert_int_equal(server_budget_available(&budget), 90);
+}
+
+static void reclaim_workspaces(void *user, size_t bytes)
+{
+    struct server_budget *budget = user;
+    (void)bytes;
+    server_budget_give(budget, SERVER_BUDGET_WORKSPACES, budget->used[SERVER_BUDGET_WORKSPACES]);
+}
+
 static void reclaim_fields(void *user, size_t bytes)
 {
     struct server_budget *budget = user;
@@ -59,6 +76,21 @@ static void reclaims_what_is_missing(void **state)
     budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
     assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
     assert_int_equal(budget.total, 70);
+}
+
+static void workspaces_go_before_fields(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    budget.reclaimers[SERVER_RECLAIM_WORKSPACES] = (struct server_reclaimer){reclaim_workspaces, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 60));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_WORKSPACES, 35));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 40));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 60);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 10));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 20);
 }
 
 static void does_not_evict_for_what_can_not_be_had(void **state)
@@ -79,7 +111,9 @@ int main(void)
         cmocka_unit_test(counts_by_class),
         cmocka_unit_test(sums_do_not_overflow),
         cmocka_unit_test(adjusts_to_what_is_held),
+        cmocka_unit_test(idle_workspaces_can_be_had_and_spare_memory_can_not),
         cmocka_unit_test(reclaims_what_is_missing),
+        cmocka_unit_test(workspaces_go_before_fields),
         cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,12 +53,15 @@ static void has_defaults(void **state)
     assert_int_equal(config.memory_budget, UINT64_C(4) << 30);
     assert_true(config.workers >= 1);
     assert_int_equal(config.log_level, SERVER_LOG_INFO);
+    assert_string_equal(server_config_cpus[config.cpu], "auto");
 }
 
 static void reads_flags_in_both_forms(void **state)
 {
     (void)state;
-    assert_int_equal(LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn"), SERVER_CONFIG_RUN);
+    assert_int_equal(LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn", "--cpu", "avx2"),
+                     SERVER_CONFIG_RUN);
+    assert_string_equal(server_config_cpus[config.cpu], "avx2");
     assert_int_equal(config.workers, 3);
     assert_int_equal(config.max_body, 10240);
     assert_int_equal(config.log_level, SERVER_LOG_WARN);
@@ -102,6 +105,8 @@ static void refuses_what_makes_no_sense(void **state)
     assert_wrong(LOAD("--help=yes"), "takes no value");
     assert_wrong(LOAD("serve"), "--help");
     assert_wrong(LOAD("--log-level", "loud"), "debug, info, warn or error");
+    assert_wrong(LOAD("--cpu", "sse"), "auto, baseline, avx2 or avx512");
+    assert_wrong(LOAD("--cpu", ""), "auto, baseline, avx2 or avx512");
     assert_wrong(LOAD("--listen", "8080"), "ADDR:PORT");
     assert_wrong(LOAD("--listen", "127.0.0.1:65536"), "port");
     assert_wrong(LOAD("--listen", "example.com:80"), "numeric");

@@ -34,6 +34,7 @@ static int set_up(void **state)
         (struct server_config){.timeout_ms = 10000, .max_body = 1 << 20, .max_faces = 1000, .queue_length = 10};
     server.guard.config = &server.config;
     server_budget_init(&server.budget, 64 << 20);
+    server.workspaces = server_workspaces_create(&server.budget, 1);
     server.workers = server_workers_create(1, 10);
     server.cache = server_cache_create(&server.budget, server.workers);
     server.loads = server_loads_create(server.workers);
@@ -53,6 +54,7 @@ static int tear_down(void **state)
     server_loads_destroy(server.loads);
     server_cache_destroy(server.cache);
     server_workers_destroy(server.workers);
+    server_workspaces_destroy(server.workspaces);
     server_metrics_destroy(server.metrics);
     assert_int_equal(server.budget.total, 0);
     return 0;
@@ -242,6 +244,65 @@ static void work_after_the_cancel_is_told_so(void **state)
     server_exchange_destroy(exchange);
 }
 
+static size_t counted(enum server_budget_class class)
+{
+    return atomic_load(&server.budget.used[class]);
+}
+
+static void a_build_leaves_a_workspace_that_is_counted(void **state)
+{
+    (void)state;
+    assert_int_equal(PUT_SQUARE(), 201);
+    assert_int_equal(counted(SERVER_BUDGET_WORKSPACES), 0);
+    assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL), 200);
+    size_t left = counted(SERVER_BUDGET_WORKSPACES);
+    assert_true(left > 0);
+    assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:3", "", NULL), 200);
+    assert_in_range(counted(SERVER_BUDGET_WORKSPACES), left, 2 * left);
+    assert_int_equal(counted(SERVER_BUDGET_FLIGHT), 0);
+}
+
+/* The first grant is more than there is: so the workspace of the build before makes way, and all of the rest is granted. */
+static void a_build_that_needs_everything_has_the_workspace_too(void **state)
+{
+    (void)state;
+    assert_int_equal(PUT_SQUARE(), 201);
+    assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL), 200);
+    size_t left = counted(SERVER_BUDGET_WORKSPACES); /* half of it is too little for a build */
+    size_t taken = server.budget.limit - counted(SERVER_BUDGET_MESHES) - left - left / 2;
+    assert_true(server_budget_take(&server.budget, SERVER_BUDGET_FLIGHT, taken));
+    unsigned status = status_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:3", "", NULL);
+    assert_int_equal(counted(SERVER_BUDGET_FLIGHT), taken);
+    server_budget_give(&server.budget, SERVER_BUDGET_FLIGHT, taken);
+    assert_int_equal(status, 200);
+}
+
+/* What those are told who waited for work that ended in that way. */
+static void assert_told(enum server_refusal why, unsigned status, const char *words)
+{
+    char none[] = "";
+    struct server_exchange *exchange = begin("GET", "/v1", none);
+    server_deferred_begin(&server);
+    exchange->response.status = 0;
+    exchange->job.refuse(&exchange->job, why);
+    sem_wait(&finished);
+    char *body = strndup(exchange->response.body, exchange->response.size);
+    assert_int_equal(exchange->response.status, status);
+    assert_non_null(strstr(body, words));
+    free(body);
+    server_exchange_destroy(exchange);
+}
+
+static void a_refusal_says_why(void **state)
+{
+    (void)state;
+    assert_told(SERVER_REFUSAL_DEADLINE, 504, "deadline");
+    assert_told(SERVER_REFUSAL_DRAINING, 503, "draining");
+    assert_told(SERVER_REFUSAL_MEMORY, 507, "--memory-budget");
+    assert_told(SERVER_REFUSAL_INTERNAL, 500, "a self-check failed");
+    assert_told(SERVER_REFUSAL_RUNAWAY, 500, "grew far beyond what a surface of this size needs");
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -255,6 +316,9 @@ int main(void)
         TEST(long_answers_are_compressed_for_those_who_take_it),
         TEST(a_drain_shows),
         TEST(work_after_the_cancel_is_told_so),
+        TEST(a_build_leaves_a_workspace_that_is_counted),
+        TEST(a_build_that_needs_everything_has_the_workspace_too),
+        TEST(a_refusal_says_why),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

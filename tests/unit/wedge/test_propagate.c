@@ -1,6 +1,8 @@
 /* Example 1 of the paper (Fig. 8), window by window, without pruning: w1 and w2 on e3, w3 and w4 on e2. */
 #include "tests/support/test.h"
 
+#include <string.h>
+
 #include "wedge/contest.h"
 #include "wedge/wavefront.h"
 
@@ -30,18 +32,47 @@ static struct gd__window from_v0(const struct gd_mesh *mesh, uint32_t a, uint32_
         .b0 = 0, .b1 = behind->length, .x = behind->length - px, .y = py, .source = mesh->vertex_of_index[0]};
 }
 
+static struct gd__pool pool;
+static struct gd__children children[2]; /* of the window that was cast last: left, right */
+
+/* Casts a window by itself across the face of a side; the best way that it offers the apex. */
+static double cast(const struct gd_side *side, const struct gd__window *window)
+{
+    struct gd__window_builder parent = {0};
+    check_ok(gd__window_builder_reserve(&parent, 1), NULL);
+    for (int k = 0; k < 2; k++) check_ok(gd__children_reserve(&children[k], &pool, 1), NULL);
+    gd__windows_put(&parent.at, 0, window);
+    struct gd__apex apex = {.distance = GD__FAR};
+    gd__kernel_in_use()->cast(side, &parent.at, 1, true, &apex, &children[0], &children[1]);
+    gd__window_builder_destroy(&parent);
+    for (int k = 0; k < 2; k++) assert_true(children[k].count <= 1 && children[k].tangled == GD_NONE);
+    return apex.distance;
+}
+
+static int open_pool(void **state)
+{
+    (void)state;
+    gd__pool_init(&pool, GD__LIST_POOL_ITEM, NULL, 0);
+    memset(children, 0, sizeof children);
+    return 0;
+}
+
+static int close_pool(void **state)
+{
+    (void)state;
+    gd__pool_destroy(&pool);
+    return 0;
+}
+
 /* Sends a window on edge (a, b) across the face with apex c, to the edge (c, d), d = a or b. */
 static struct gd__window cross(const struct gd_mesh *mesh, struct gd__window w, uint32_t a, uint32_t b, uint32_t c,
                                uint32_t d)
 {
     uint32_t side = side_towards(mesh, a, b, c);
-    struct gd__children children = gd__window_children(&mesh->side[side], &w);
-    if (mesh->origin[side] == mesh->vertex_of_index[d]) {
-        assert_true(children.has_left);
-        return children.left;
-    }
-    assert_true(children.has_right);
-    return children.right;
+    cast(&mesh->side[side], &w);
+    const struct gd__children *child = &children[mesh->origin[side] == mesh->vertex_of_index[d] ? 0 : 1];
+    assert_int_equal(child->count, 1);
+    return gd__windows_get(&child->at, 0);
 }
 
 /* The same window in the frame that starts at vertex a of its edge (a, b), seen from the side with the apex c. */
@@ -86,13 +117,20 @@ static void example_1(void **state)
     gd_mesh_release(mesh);
 }
 
-/* Rays keep their lengths: a child sees its points at the distance that the parent's ray has there. */
+/* A point of a child's edge, in the frame of the parent's side. */
+static void place_on_child(const struct gd_side *s, int k, double t, double at[2])
+{
+    at[0] = k ? s->left_length * s->left_x + t * s->right_x : t * s->left_x;
+    at[1] = k ? s->left_length * s->left_y + t * s->right_y : t * s->left_y;
+}
+
+/* Rays keep their lengths: a child sees its points at the distance that the parent's ray has there, and through the parent's interval. */
 static void children_continue_the_rays(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = test_mesh(&example);
     struct rng rng = {5};
-    int checked = 0;
+    int checked = 0, seen = 0;
     for (int i = 0; i < 20000; i++) {
         uint32_t side = rng_below(&rng, 2 * mesh->edge_count);
         if (gd__side_is_boundary(mesh, side)) continue;
@@ -103,30 +141,33 @@ static void children_continue_the_rays(void **state)
                                .x = rng_between(&rng, -3, 3),
                                .y = rng_between(&rng, 0.01, 3),
                                .sigma = 1};
-        struct gd__children children = gd__window_children(s, &w);
-        double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-        if (children.has_left) {
-            double t = (children.left.b0 + children.left.b1) / 2, x = t * s->left_x, y = t * s->left_y;
-            check_close(gd__window_distance(&children.left, t), 1 + hypot(x - w.x, y + w.y), 1e-13);
-            double crossing = w.x + (x - w.x) * w.y / (y + w.y);
+        double apex = cast(s, &w);
+        for (int k = 0; k < 2; k++) {
+            if (!children[k].count) continue;
+            struct gd__window child = gd__windows_get(&children[k].at, 0);
+            double t = (child.b0 + child.b1) / 2, at[2];
+            place_on_child(s, k, t, at);
+            check_close(gd__window_distance(&child, t), 1 + hypot(at[0] - w.x, at[1] + w.y), 1e-13);
+            double crossing = w.x + (at[0] - w.x) * w.y / (at[1] + w.y);
             assert_true(crossing >= w.b0 - 1e-9 && crossing <= w.b1 + 1e-9);
             checked++;
         }
-        if (children.has_right) {
-            double t = (children.right.b0 + children.right.b1) / 2, x = px + t * s->right_x, y = py + t * s->right_y;
-            check_close(gd__window_distance(&children.right, t), 1 + hypot(x - w.x, y + w.y), 1e-13);
-            checked++;
+        assert_true(children[0].count + children[1].count > 0);
+        if (children[0].count && children[1].count) { /* between its two children it sees the apex */
+            double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
+            check_close(apex, 1 + hypot(px - w.x, py + w.y), 1e-13);
+            seen++;
         }
     }
-    assert_true(checked > 10000);
+    assert_true(checked > 10000 && seen > 1000);
     gd_mesh_release(mesh);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(example_1),
-        cmocka_unit_test(children_continue_the_rays),
+        cmocka_unit_test_setup_teardown(example_1, open_pool, close_pool),
+        cmocka_unit_test_setup_teardown(children_continue_the_rays, open_pool, close_pool),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

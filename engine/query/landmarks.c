@@ -1,0 +1,197 @@
+#include "query/landmarks.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "field/layout.h"
+
+struct gd_landmarks {
+    atomic_uint references;
+    const struct gd_mesh *mesh;
+    uint32_t count;
+    float distance
+        []; /* per vertex GD__LANDMARKS_MOST, inside unit, rounded to nearest; 0: another component, or no landmark, which says nothing */
+};
+
+void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_mesh *mesh, struct gd__guide *guide)
+{
+    bool fit = landmarks && landmarks->mesh == mesh;
+    guide->landmark = fit ? landmarks->distance : NULL;
+}
+
+/* --- life ---------------------------------------------------------------------------------------------------------------- */
+
+static size_t bytes_of(const struct gd_mesh *mesh)
+{
+    return sizeof(struct gd_landmarks) + sizeof(float) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
+}
+
+static struct gd_landmarks *create(const struct gd_mesh *mesh, uint32_t count)
+{
+    struct gd_landmarks *landmarks = malloc(bytes_of(mesh));
+    if (!landmarks) return NULL;
+    atomic_init(&landmarks->references, 1);
+    landmarks->mesh = gd_mesh_retain(mesh);
+    landmarks->count = count;
+    return landmarks;
+}
+
+struct gd_landmarks *gd_landmarks_retain(const struct gd_landmarks *landmarks)
+{
+    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks; /* the count is the only part that changes */
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_landmarks_release(const struct gd_landmarks *landmarks)
+{
+    struct gd_landmarks *shared = (struct gd_landmarks *)landmarks;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    gd_mesh_release(shared->mesh);
+    free(shared);
+}
+
+uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks)
+{
+    return landmarks->count;
+}
+
+size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
+{
+    return bytes_of(landmarks->mesh);
+}
+
+/* --- building ------------------------------------------------------------------------------------------------------------ */
+
+/* One landmark's column, and what the choice of the next one needs. */
+struct column {
+    struct gd_landmarks *landmarks;
+    uint32_t index;
+    double *nearest; /* per vertex: distance from the nearest landmark so far */
+};
+
+/* A sink that keeps distances only. */
+static enum gd_status keep_distances(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+{
+    (void)executor;
+    struct column *column = user;
+    struct gd_landmarks *landmarks = column->landmarks;
+    for (uint32_t v = 0; v < front->mesh->vertex_count; v++) {
+        double distance = front->distance[v];
+        landmarks->distance[(size_t)GD__LANDMARKS_MOST * v + column->index] = distance < GD__FAR ? (float)distance : 0;
+        if (distance < column->nearest[v]) column->nearest[v] = distance;
+    }
+    return GD_OK;
+}
+
+static enum gd_status measure(struct column *column, uint32_t vertex, const struct gd_control *control)
+{
+    struct gd__seed seed = {.point = {.kind = GD_POINT_VERTEX, .element = vertex}};
+    struct gd__propagation propagation = {.seeds = &seed, .seed_count = 1, .radius = GD__FAR, .without_wedges = true};
+    struct gd__sink sink = {.take = keep_distances, .user = column};
+    return gd__wavefront_run(column->landmarks->mesh, &propagation, &sink, control, NULL);
+}
+
+/* Other components first: they are as far as can be. */
+static uint32_t farthest(const double *nearest, uint32_t count)
+{
+    uint32_t best = 0;
+    for (uint32_t v = 1; v < count; v++)
+        if (nearest[v] > nearest[best]) best = v;
+    return best;
+}
+
+static enum gd_status measure_all(struct column *column, const struct gd_control *control)
+{
+    uint32_t vertices = column->landmarks->mesh->vertex_count;
+    for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++) column->landmarks->distance[i] = 0;
+    for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
+    enum gd_status status =
+        measure(column, 0, control); /* an arbitrary place: only the farthest from it becomes a landmark */
+    uint32_t first = 0;
+    for (uint32_t v = 0; v < vertices; v++)
+        if (column->nearest[v] < GD__FAR && column->nearest[v] > column->nearest[first]) first = v;
+    for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
+    for (uint32_t i = 0; i < column->landmarks->count && !status; i++) {
+        column->index = i;
+        status = measure(column, i ? farthest(column->nearest, vertices) : first, control);
+    }
+    return status;
+}
+
+enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, const struct gd_control *control,
+                                  struct gd_landmarks **out)
+{
+    if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
+    struct column column = {.landmarks = create(mesh, count),
+                            .nearest = malloc(sizeof *column.nearest * mesh->vertex_count)};
+    enum gd_status status = column.landmarks && column.nearest ? measure_all(&column, control) : GD_NO_MEMORY;
+    free(column.nearest);
+    if (status)
+        gd_landmarks_release(column.landmarks);
+    else
+        *out = column.landmarks;
+    return status;
+}
+
+/* --- bytes --------------------------------------------------------------------------------------------------------------- */
+
+struct header {
+    char magic[8];
+    uint32_t version, byte_order, count, vertices;
+    uint64_t fingerprint; /* of the mesh */
+};
+
+static const char magic[8] = "GDLANDM";
+
+static struct header header_of(const struct gd_mesh *mesh, uint32_t count)
+{
+    struct header header = {.version = 1,
+                            .byte_order = 0x01020304,
+                            .count = count,
+                            .vertices = mesh->vertex_count,
+                            .fingerprint = gd__mesh_fingerprint(mesh)};
+    memcpy(header.magic, magic, sizeof magic);
+    return header;
+}
+
+size_t gd_landmarks_write(const struct gd_landmarks *landmarks, void *bytes)
+{
+    struct header header = header_of(landmarks->mesh, landmarks->count);
+    size_t size = sizeof(float) * GD__LANDMARKS_MOST * (size_t)landmarks->mesh->vertex_count;
+    memcpy(bytes, &header, sizeof header);
+    memcpy((char *)bytes + sizeof header, landmarks->distance, size);
+    return sizeof header + size;
+}
+
+static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size)
+{
+    struct header expected = header_of(mesh, header->count);
+    if (memcmp(header->magic, magic, sizeof magic) != 0 || header->version != expected.version ||
+        header->byte_order != expected.byte_order || header->count == 0 || header->count > GD__LANDMARKS_MOST)
+        return GD_UNRECOGNIZED;
+    if (header->vertices != expected.vertices || header->fingerprint != expected.fingerprint)
+        return GD_INVALID_ARGUMENT;
+    return size == sizeof *header + sizeof(float) * GD__LANDMARKS_MOST * (size_t)header->vertices ? GD_OK
+                                                                                                  : GD_TRUNCATED;
+}
+
+enum gd_status gd_landmarks_read(const struct gd_mesh *mesh, const void *bytes, size_t size, struct gd_landmarks **out)
+{
+    struct header header;
+    if (size < sizeof header) return GD_TRUNCATED;
+    memcpy(&header, bytes, sizeof header);
+    enum gd_status status = check_header(mesh, &header, size);
+    if (status) return status;
+    struct gd_landmarks *landmarks = create(mesh, header.count);
+    if (!landmarks) return GD_NO_MEMORY;
+    memcpy(landmarks->distance, (const char *)bytes + sizeof header, size - sizeof header);
+    for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)header.vertices && !status; i++)
+        if (!(landmarks->distance[i] >= 0 && isfinite(landmarks->distance[i]))) status = GD_NON_FINITE;
+    if (status)
+        gd_landmarks_release(landmarks);
+    else
+        *out = landmarks;
+    return status;
+}

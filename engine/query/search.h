@@ -1,0 +1,12 @@
+/* Search: one pair of points from nothing, by windows that are kept on the way to the target. */
+#ifndef GD_QUERY_SEARCH_H
+#define GD_QUERY_SEARCH_H
+
+#include "gd/query.h"
+
+/* As gd_pair_solve; the path runs from `to` to `from`. */
+GD_MUST_USE enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from,
+                                      const struct gd_point *to, bool want_path, const struct gd_landmarks *landmarks,
+                                      const struct gd_control *control, struct gd_pair_answer *out);
+
+#endif

@@ -1,0 +1,342 @@
+#include "wedge/guide.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/large.h"
+#include "base/tolerance.h"
+#include "wedge/workspace.h"
+
+/* A path that is a little too long will do: with the rest of the way weighed heavier, A* finds it at a fraction of the cost. */
+#define GREED 1.1
+
+/* --- anchors ------------------------------------------------------------------------------------------------------------- */
+
+static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
+{
+    double length = mesh->side[2 * point->element].length;
+    for (uint32_t k = 0; k < 2; k++) {
+        anchor->corner[k] = mesh->origin[2 * point->element + k];
+        anchor->leg[k] = length * (k ? 1 - point->weight[0] : point->weight[0]);
+    }
+}
+
+/* The corner opposite to each side, in that side's frame. */
+static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
+{
+    for (int k = 0; k < 3; k++) {
+        uint32_t side = mesh->face_side[point->element][k];
+        const struct gd_side *s = &mesh->side[side];
+        double apex_weight = point->weight[(k + 2) % 3], px = s->left_length * s->left_x,
+               py = s->left_length * s->left_y;
+        double x = point->weight[(k + 1) % 3] * s->length + apex_weight * px, y = apex_weight * py;
+        anchor->corner[k] = gd__side_apex(mesh, side);
+        anchor->leg[k] = sqrt((x - px) * (x - px) + (y - py) * (y - py));
+    }
+}
+
+static void add(struct gd_vec3 *sum, double weight, struct gd_vec3 v)
+{
+    sum->x += weight * v.x;
+    sum->y += weight * v.y;
+    sum->z += weight * v.z;
+}
+
+static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    struct gd_vec3 sum = {0};
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        return mesh->position[point->element];
+    case GD_POINT_EDGE:
+        add(&sum, 1 - point->weight[0], mesh->position[mesh->origin[2 * point->element]]);
+        add(&sum, point->weight[0], mesh->position[mesh->origin[2 * point->element + 1]]);
+        break;
+    case GD_POINT_FACE:
+        for (int k = 0; k < 3; k++)
+            add(&sum, point->weight[k], mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
+        break;
+    }
+    return sum;
+}
+
+struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}, .position = position_of(mesh, point)};
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        anchor.corner[0] = point->element;
+        break;
+    case GD_POINT_EDGE:
+        anchor_edge(mesh, point, &anchor);
+        break;
+    case GD_POINT_FACE:
+        anchor_face(mesh, point, &anchor);
+        break;
+    }
+    return anchor;
+}
+
+/* --- nodes --------------------------------------------------------------------------------------------------------------- */
+
+/* Doubles an array that is full. */
+static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity, size_t size)
+{
+    if (count < *capacity) return GD_OK;
+    uint32_t larger = *capacity ? 2 * *capacity : 1024;
+    void *grown = realloc(*array, larger * size);
+    if (!grown) return GD_NO_MEMORY;
+    *array = grown;
+    *capacity = larger;
+    return GD_OK;
+}
+
+static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
+{
+    if (guide->node[vertex].touched) return GD_OK;
+    enum gd_status status =
+        make_room((void **)&guide->touched, guide->touched_count, &guide->touched_capacity, sizeof *guide->touched);
+    if (status) return status;
+    guide->touched[guide->touched_count++] = vertex;
+    guide->node[vertex].touched = true;
+    return GD_OK;
+}
+
+/* --- lower bounds -------------------------------------------------------------------------------------------------------- */
+
+static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
+{
+    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* Branchless over a fixed number of them, so that compilers use vectors. */
+static double by_landmarks(const struct gd__guide *guide, uint32_t vertex)
+{
+    const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
+    float bound[GD__LANDMARKS_MOST];
+    for (int i = 0; i < GD__LANDMARKS_MOST; i++) {
+        float d = distance[i], slack = (float)GD_TOL_FLOAT * d;
+        float nearer = guide->landmark_low[i] - d - slack, farther = d - slack - guide->landmark_high[i];
+        bound[i] = nearer > farther ? nearer : farther;
+    }
+    for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
+        for (int i = 0; i < half; i++) bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
+    return bound[0];
+}
+
+double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
+{
+    double lower =
+        straight(&guide->mesh->position[vertex], &guide->target.position) * (1 - GD_TOL_BOUND) - guide->margin;
+    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, vertex));
+    if (lower < 0) lower = 0;
+    if (touch(guide, vertex)) return lower; /* without memory it is measured again */
+    return guide->node[vertex].lower = lower;
+}
+
+/* Bounds of the target's distance from each landmark, from those of its corners; landmarks in other components say nothing. */
+static void read_landmarks(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
+        double low = -HUGE_VAL, high = HUGE_VAL;
+        for (int k = 0; k < 4 && guide->landmark && guide->target.corner[k] != GD_NONE; k++) {
+            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * guide->target.corner[k] + i],
+                   slack = GD_TOL_FLOAT * d;
+            low = fmax(low, d - slack - guide->target.leg[k]);
+            high = fmin(high, d + slack + guide->target.leg[k]);
+        }
+        guide->landmark_low[i] = (float)(low * (1 - GD_TOL_FLOAT));
+        guide->landmark_high[i] = (float)(high * (1 + GD_TOL_FLOAT));
+    }
+}
+
+/* --- the search for paths ------------------------------------------------------------------------------------------------ */
+
+static void sift_up(struct gd__guide *guide, uint32_t at)
+{
+    struct gd__guide_entry entry = guide->heap[at];
+    for (; at > 0 && guide->heap[(at - 1) / 2].key > entry.key; at = (at - 1) / 2)
+        guide->heap[at] = guide->heap[(at - 1) / 2];
+    guide->heap[at] = entry;
+}
+
+static uint32_t pop(struct gd__guide *guide)
+{
+    uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
+    struct gd__guide_entry entry = guide->heap[count];
+    for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+        if (child + 1 < count && guide->heap[child + 1].key < guide->heap[child].key) child++;
+        if (guide->heap[child].key >= entry.key) break;
+        guide->heap[at] = guide->heap[child];
+    }
+    guide->heap[at] = entry;
+    return vertex;
+}
+
+/* Offers a vertex a path to the target; enters it with a key that counts the rest of the way to `from` too. */
+static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, uint32_t parent, double upper,
+                            const struct gd_vec3 *from)
+{
+    struct gd__guide_node *node = &guide->node[vertex];
+    if (upper >= node->upper) return GD_OK;
+    enum gd_status status = touch(guide, vertex);
+    if (!status)
+        status = make_room((void **)&guide->heap, guide->heap_count, &guide->heap_capacity, sizeof *guide->heap);
+    if (status) return status;
+    node->upper = upper;
+    node->parent = parent;
+    node->closed = false;
+    double rest = straight(&guide->mesh->position[vertex], from);
+    guide->heap[guide->heap_count] = (struct gd__guide_entry){upper + GREED * rest, vertex};
+    sift_up(guide, guide->heap_count++);
+    return GD_OK;
+}
+
+/* From a vertex straight across the edge opposite to it in the face of an outgoing side, to the corner behind, if that way crosses the edge. */
+static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, const struct gd_side *s,
+                                   const struct gd_vec3 *from)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    const struct gd_side *across = &mesh->side[s->right];
+    if (across->left == GD_NONE) return GD_OK;
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
+    double x = -(px * s->right_x + py * s->right_y), y = py * s->length / s->right_length;
+    double dx = across->left_length * across->left_x - x, dy = across->left_length * across->left_y + y,
+           t = x + dx * y / dy;
+    if (!(t > 0 && t < across->length)) return GD_OK;
+    return relax(guide, gd__side_apex(mesh, s->right), vertex, guide->node[vertex].upper + sqrt(dx * dx + dy * dy),
+                 from);
+}
+
+static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const struct gd_vec3 *from)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    double upper = guide->node[vertex].upper;
+    enum gd_status status = GD_OK;
+    guide->node[vertex].closed = true;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
+        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+        status = relax(guide, mesh->fan[i].tip, vertex, upper + s->length, from);
+        if (!status && gd__side_is_boundary(mesh, s->left))
+            status = relax(guide, gd__side_destination(mesh, s->left), vertex, upper + s->left_length, from);
+        if (!status) status = relax_across(guide, vertex, s, from);
+    }
+    return status;
+}
+
+static double best_way(const struct gd__guide *guide, const struct gd__anchor *from)
+{
+    double best = GD__FAR;
+    for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++) {
+        double way = guide->node[from->corner[k]].upper + from->leg[k];
+        if (way < best) best = way;
+    }
+    return best;
+}
+
+static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *from, double *upper)
+{
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
+        status = relax(guide, guide->target.corner[k], GD_NONE, guide->target.leg[k], &from->position);
+    *upper = best_way(guide, from);
+    while (!status && guide->heap_count && guide->heap[0].key < *upper) {
+        uint32_t vertex = pop(guide);
+        if (guide->node[vertex].closed) continue;
+        status = expand(guide, vertex, &from->position);
+        for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++)
+            if (from->corner[k] == vertex) *upper = fmin(*upper, guide->node[vertex].upper + from->leg[k]);
+    }
+    guide->heap_count = 0;
+    return status;
+}
+
+/* --- aiming -------------------------------------------------------------------------------------------------------------- */
+
+static void clean_node(struct gd__guide_node *node)
+{
+    *node = (struct gd__guide_node){.upper = GD__FAR, .lower = -1, .parent = GD_NONE};
+}
+
+static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *mesh)
+{
+    if (mesh->vertex_count <= guide->capacity) return GD_OK;
+    free(guide->node);
+    guide->capacity = 0;
+    guide->node = gd__large_array(mesh->vertex_count, sizeof *guide->node);
+    if (!guide->node) return GD_NO_MEMORY;
+    guide->capacity = mesh->vertex_count;
+    for (uint32_t v = 0; v < guide->capacity; v++) clean_node(&guide->node[v]);
+    return GD_OK;
+}
+
+static double largest_coordinate(struct gd_vec3 v)
+{
+    return fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+}
+
+enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh, const struct gd_point *from,
+                             const struct gd_point *to, double *upper)
+{
+    struct gd__anchor start = gd__anchor(mesh, from);
+    enum gd_status status = open_nodes(guide, mesh);
+    if (status) return status;
+    guide->mesh = mesh;
+    guide->target = gd__anchor(mesh, to);
+    guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position), largest_coordinate(start.position));
+    guide->in_corridor_only = false;
+    read_landmarks(guide);
+    status = search(guide, &start, upper);
+    if (!status && *upper < GD__FAR) *upper *= 1 + GD_TOL_BOUND;
+    return status;
+}
+
+static enum gd_status mark(struct gd__guide *guide, uint32_t vertex, int rings)
+{
+    const struct gd_mesh *mesh = guide->mesh;
+    struct gd__guide_node *node = &guide->node[vertex];
+    enum gd_status status = touch(guide, vertex);
+    node->in_corridor = true;
+    for (uint32_t i = mesh->fan_first[vertex]; rings > 0 && i < mesh->fan_first[vertex + 1] && !status; i++) {
+        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+        status = mark(guide, mesh->fan[i].tip, rings - 1);
+        if (!status && gd__side_is_boundary(mesh, s->left))
+            status = mark(guide, gd__side_destination(mesh, s->left), rings - 1);
+    }
+    return status;
+}
+
+enum gd_status gd__guide_mark_corridor(struct gd__guide *guide, const struct gd_point *from)
+{
+    struct gd__anchor start = gd__anchor(guide->mesh, from);
+    uint32_t vertex = GD_NONE;
+    double best = GD__FAR;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 4 && start.corner[k] != GD_NONE && !status; k++) {
+        double way = guide->node[start.corner[k]].upper + start.leg[k];
+        if (way < best) vertex = start.corner[k];
+        best = fmin(best, way);
+        status = mark(guide, start.corner[k], 2);
+    }
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
+        status = mark(guide, guide->target.corner[k], 2);
+    for (; vertex != GD_NONE && !status; vertex = guide->node[vertex].parent) status = mark(guide, vertex, 2);
+    return status;
+}
+
+void gd__guide_clean(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < guide->touched_count; i++) clean_node(&guide->node[guide->touched[i]]);
+    guide->touched_count = 0;
+    guide->heap_count = 0;
+    guide->landmark = NULL;
+}
+
+void gd__guide_destroy(struct gd__guide *guide)
+{
+    free(guide->node);
+    free(guide->touched);
+    free(guide->heap);
+    *guide = (struct gd__guide){0};
+}

@@ -1,0 +1,70 @@
+/* Guide: what is known of the way from anywhere to one target before windows are propagated: lower bounds, which prune, and upper bounds, which
+ * shrink the bound of the search.
+ *
+ * Lower: the straight line in space, and by landmarks |d(l, v) - d(l, t)|. Upper: shortest paths to the target in the graph of edges and of
+ * straight ways across one edge, found by A*. All are rounded to the safe side. Of one thread. */
+#ifndef GD_WEDGE_GUIDE_H
+#define GD_WEDGE_GUIDE_H
+
+#include "mesh/topology.h"
+
+#define GD__LANDMARKS_MOST 16
+
+/* Where a point lies: vertices of the faces that contain it and the straight ways to them. */
+struct gd__anchor {
+    uint32_t corner[4]; /* GD_NONE fills */
+    double leg[4];
+    struct gd_vec3 position; /* inside unit */
+};
+struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
+
+struct gd__guide_node {
+    double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
+    double lower;    /* the lower bound, without regard to the corridor; < 0: not asked yet */
+    uint32_t parent; /* the next vertex of that path; GD_NONE: the target is straight ahead */
+    bool in_corridor, closed, touched;
+};
+
+struct gd__guide_entry {
+    double key;
+    uint32_t vertex;
+};
+
+struct gd__guide {
+    const struct gd_mesh *mesh;
+    struct gd__anchor target;
+    double margin; /* of distances in space, for rounding */
+    bool in_corridor_only;
+    struct gd__guide_node *node; /* per vertex; clean (GD__FAR) between searches */
+    uint32_t capacity;
+    uint32_t *touched; /* nodes that are not clean */
+    uint32_t touched_count, touched_capacity;
+    struct gd__guide_entry *heap;
+    uint32_t heap_count, heap_capacity;
+    const float *landmark; /* GD__LANDMARKS_MOST for each vertex, 0 where there is none; NULL: none */
+    float landmark_low[GD__LANDMARKS_MOST],
+        landmark_high[GD__LANDMARKS_MOST]; /* bounds of the target's distance from each */
+};
+
+/* Aims at `to`, all zero or used before, and finds paths to it from what lies between it and `from`. *upper: the length of a path between them,
+ * rounded up; GD__FAR: there is none. GD_NO_MEMORY. Cost: what A* visits, some percent of the way's surroundings. */
+GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
+                                         const struct gd_point *from, const struct gd_point *to, double *upper);
+
+/* Marks the surroundings of the path from `from` that gd__guide_aim found, two edges wide. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__guide_mark_corridor(struct gd__guide *guide, const struct gd_point *from);
+
+/* Lower bound of the distance from a vertex to the target; GD__FAR outside of the corridor while the search keeps to it. */
+double gd__guide_measure(struct gd__guide *guide, uint32_t vertex); /* the first time */
+static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
+{
+    const struct gd__guide_node *node = &guide->node[vertex];
+    if (guide->in_corridor_only && !node->in_corridor) return 1e300;
+    return node->lower >= 0 ? node->lower : gd__guide_measure(guide, vertex);
+}
+
+/* Forgets the target. */
+void gd__guide_clean(struct gd__guide *guide);
+void gd__guide_destroy(struct gd__guide *guide);
+
+#endif

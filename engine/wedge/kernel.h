@@ -1,0 +1,49 @@
+/* Kernel: what is done to all windows of a list at once, several lanes at a time.
+ *
+ * One source (kernel_lanes.h) is compiled for each set of lanes: plain C, AVX2, AVX-512. All give the same results to the last bit: each lane
+ * does the same operations in the same order, none of them fused, so a distance does not depend on the machine. Stateless; any thread. */
+#ifndef GD_WEDGE_KERNEL_H
+#define GD_WEDGE_KERNEL_H
+
+#include "mesh/topology.h"
+#include "wedge/wedges.h"
+#include "wedge/list.h"
+
+/* The best way found to the apex of a side through one of its windows. */
+struct gd__apex {
+    double distance; /* in: what the apex has; out: shorter, if a way is */
+    bool improved;
+    double x, y; /* struct gd__birth */
+    uint32_t source;
+};
+
+struct gd__kernel {
+    const char *name;
+
+    /* Filter by the distances d0, d1 of the edge's ends (Xin and Wang 2009): where the way round an end is strictly shorter than a window, no
+     * shortest path uses it. Trims windows and closes ranks; returns how many are left. */
+    uint32_t (*filter)(const struct gd__windows *windows, uint32_t count, double length, double d0, double d1);
+
+    /* Keeps the windows that come within `bound` somewhere; returns how many. */
+    uint32_t (*within)(const struct gd__windows *windows, uint32_t count, double bound);
+
+    /* Writes windows of a side as wedges of its edge, `mirrored` for side 1. False, having written rubbish, where windows leave gaps: the
+     * caller then writes them one by one. */
+    bool (*store)(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,
+                  struct gd__wedges to);
+
+    /* Casts windows across the face of their side: offers distances to its apex and appends their children on the two other edges, joining
+     * neighbours that see one source if `coalesce`. Both lists have room for as many. */
+    void (*cast)(const struct gd_side *side, const struct gd__windows *windows, uint32_t count, bool coalesce,
+                 struct gd__apex *apex, struct gd__children *left, struct gd__children *right);
+};
+
+extern const struct gd__kernel gd__kernel_plain;
+#if defined(__x86_64__)
+extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx512;
+#endif
+
+/* The kernel in use: the widest that this machine has, or what gd_cpu_select forced. */
+const struct gd__kernel *gd__kernel_in_use(void);
+
+#endif

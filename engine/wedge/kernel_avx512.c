@@ -1,0 +1,6 @@
+#if defined(__x86_64__)
+#include "wedge/lanes_avx512.h"
+
+#define KERNEL_NAME "avx512"
+#include "wedge/kernel_lanes.h"
+#endif

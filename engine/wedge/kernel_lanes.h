@@ -1,0 +1,462 @@
+/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c behind their lanes_*.h.
+ *
+ * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`. Arithmetic is written with C's operators; of the
+ * functions, `pick` chooses by lane, `compress` moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
+ * carry's last one in, `ahead` moves them one down, `last_of` spreads lane count - 1. bits and mask_of convert a mask to and from an integer.
+ *
+ * In a side's frame the apex is p = (px, py), a source (x, -y). For a point (b, 0) of the edge, k(b) = (b - x)(py + y) - y (px - x) is negative
+ * when the ray through it passes left of p. */
+#include "base/tolerance.h"
+#include "wedge/kernel.h"
+
+static inline mask ge(lanes a, lanes b)
+{
+    return le(b, a);
+}
+
+static inline mask gt(lanes a, lanes b)
+{
+    return lt(b, a);
+}
+
+static inline bool any(mask m)
+{
+    return bits(m) != 0;
+}
+
+/* The lowest lane that is set. */
+static inline uint32_t first_set(mask m)
+{
+    return (uint32_t)__builtin_ctz(bits(m));
+}
+
+static inline uint32_t last_set(mask m)
+{
+    return 31 - (uint32_t)__builtin_clz(bits(m));
+}
+
+/* --- filters ------------------------------------------------------------------------------------------------------------- */
+
+/* Moves the windows of `keep` from place `from` to place `to` <= from. */
+static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t to, mask keep)
+{
+    store(w->b0 + to, compress(keep, load(w->b0 + from)));
+    store(w->b1 + to, compress(keep, load(w->b1 + from)));
+    store(w->x + to, compress(keep, load(w->x + from)));
+    store(w->y + to, compress(keep, load(w->y + from)));
+    store(w->sigma + to, compress(keep, load(w->sigma + from)));
+    ids_store(w->source + to, ids_compress(keep, ids_load(w->source + from)));
+    return to + (uint32_t)__builtin_popcount(bits(keep));
+}
+
+/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside. */
+static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length, lanes c0, lanes c1)
+{
+    lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i);
+    lanes square = x * x + y * y, two = all(2), c = c1 + all(length);
+    lanes t = (square - c0 * c0) / (two * (c0 + x));
+    b0 = pick(both(first, both(gt(t, b0), lt(t, b1))), t, b0);
+    t = (c * c - square) / (two * (c - x));
+    b1 = pick(both(last, both(lt(t, b1), gt(t, b0))), t, b1);
+    store(w->b0 + i, b0);
+    store(w->b1 + i, b1);
+}
+
+static uint32_t filter(const struct gd__windows *w, uint32_t count, double length, double d0, double d1)
+{
+    const lanes zero = all(0), at_origin = all(d0), at_destination = all(d1), whole = all(length);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i += LANES) {
+        mask active = first_lanes(count - i);
+        lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i),
+              sigma = load(w->sigma + i);
+        lanes e0 = b0 - x, e1 = b1 - x, y2 = y * y, r0 = e0 * e0 + y2, r1 = e1 * e1 + y2;
+        lanes slack = all(GD_TOL_BETTER) * (sigma + whole + magnitude(x) + y);
+        lanes c0 = at_origin - sigma, c1 = at_destination - sigma, back0 = c0 + slack, back1 = c1 + whole + slack;
+        lanes far0 = back0 + b1, far1 = back1 - b0, near0 = back0 + b0, near1 = back1 - b1;
+        mask drop = either(either(lt(far0, zero), gt(r1, far0 * far0)), either(lt(far1, zero), gt(r0, far1 * far1)));
+        mask first = both(active, either(lt(near0, zero), gt(r0, near0 * near0)));
+        mask last = both(active, either(lt(near1, zero), gt(r1, near1 * near1)));
+        drop = both(active, drop);
+        if (any(either(first, last))) trim(w, i, except(first, drop), except(last, drop), length, c0, c1);
+        if (any(drop) || kept != i)
+            kept = close_ranks(w, i, kept, except(active, drop));
+        else
+            kept += count - i < LANES ? count - i : LANES;
+    }
+    return kept;
+}
+
+static uint32_t within(const struct gd__windows *w, uint32_t count, double bound)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i += LANES) {
+        lanes x = load(w->x + i), y = load(w->y + i);
+        lanes d = lesser(greater(x, load(w->b0 + i)), load(w->b1 + i)) - x;
+        mask near = le(load(w->sigma + i) + root(d * d + y * y), all(bound));
+        kept = close_ranks(w, i, kept, both(first_lanes(count - i), near));
+    }
+    return kept;
+}
+
+/* --- storing ------------------------------------------------------------------------------------------------------------- */
+
+/* No start lies behind the end of the one before by more than what counts as adjacent, and the first and the last reach the edge's ends. */
+static inline mask gap_before(lanes b0, lanes end_before, lanes tolerance)
+{
+    return gt(b0, end_before + tolerance);
+}
+
+/* Starts of the wedges from place i on, in units of 2^-32 of the edge. The first one is the edge's end, whatever rounding made of it. */
+static inline lanes starts_of(lanes b, double scale, uint32_t i)
+{
+    lanes start = lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST));
+    return i == 0 ? pick(mask_of(1), all(0), start) : start;
+}
+
+static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
+{
+    const lanes tolerance = all(GD_TOL_ADJACENT * length);
+    lanes end = all(0);
+    for (uint32_t i = 0; i < count; i += LANES) {
+        uint32_t active = count - i < LANES ? count - i : LANES;
+        lanes b1 = load(w->b1 + i);
+        if (any(both(first_lanes(active), gap_before(load(w->b0 + i), after(end, b1), tolerance)))) return true;
+        end = last_of(b1, active);
+    }
+    return first_of(end) + GD_TOL_ADJACENT * length < length;
+}
+
+static void store_straight(const struct gd__windows *w, uint32_t count, double length, struct gd__wedges to)
+{
+    const double scale = GD__WEDGE_UNITS / length;
+    for (uint32_t i = 0; i < count; i += LANES) {
+        store_first(to.x + i, load(w->x + i), count - i);
+        store_first(to.y + i, all(-0.0) - load(w->y + i), count - i);
+        store_starts(to.start + i, starts_of(load(w->b0 + i), scale, i), ids_load(w->source + i), count - i);
+    }
+}
+
+/* From the last window to the first; groups begin before the list for the last of them, where a block's own arrays or its header lie. */
+static void store_mirrored(const struct gd__windows *w, uint32_t count, double length, struct gd__wedges to)
+{
+    const double scale = GD__WEDGE_UNITS / length;
+    const lanes whole = all(length);
+    for (uint32_t i = 0; i < count; i += LANES) {
+        ptrdiff_t at = (ptrdiff_t)count - i - LANES;
+        store_first(to.x + i, reversed(whole - load(w->x + at)), count - i);
+        store_first(to.y + i, reversed(load(w->y + at)), count - i);
+        store_starts(to.start + i, starts_of(reversed(whole - load(w->b1 + at)), scale, i),
+                     ids_reversed(ids_load(w->source + at)), count - i);
+    }
+}
+
+static bool store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored,
+                         struct gd__wedges to)
+{
+    if (has_gaps(w, count, length)) return false;
+    if (mirrored)
+        store_mirrored(w, count, length, to);
+    else
+        store_straight(w, count, length, to);
+    return true;
+}
+
+/* --- contests ------------------------------------------------------------------------------------------------------------ */
+
+/* Windows as far as a contest needs them. */
+struct sources {
+    lanes x, y, sigma;
+};
+
+/* A tie at an end says nothing of an overlap that is wide against the distance of the sources; in one so many times narrower it holds all along. */
+#define NARROW 1024
+
+/* Where the overlap [lo, hi] changes hands: up to there the owner o is better, from there on the challenger c; hi or lo where one of them is better all
+ * along. Returns the lanes of `may` for which *at says it; for the others contest.c has to. It has the same formulas with their reasons. */
+static inline mask contest_equal(mask may, struct sources c, struct sources o, lanes lo, lanes hi, lanes *at)
+{
+    lanes half = all(0.5), dx = o.x - c.x, dy = (c.y - o.y) * (c.y + o.y);
+    lanes value_lo = half * (dx * ((lo - c.x) + (lo - o.x)) + dy),
+          value_hi = half * (dx * ((hi - c.x) + (hi - o.x)) + dy);
+    lanes far_lo = greater(magnitude(lo - c.x) + c.y, magnitude(lo - o.x) + o.y);
+    lanes far_hi = greater(magnitude(hi - c.x) + c.y, magnitude(hi - o.x) + o.y), better = all(GD_TOL_BETTER);
+    lanes slack_lo = better * (far_lo * (far_lo + c.sigma)), slack_hi = better * (far_hi * (far_hi + c.sigma));
+    mask owner_first = gt(value_lo, slack_lo), challenger_first = lt(value_lo, all(0) - slack_lo);
+    mask owner_last = gt(value_hi, slack_hi), challenger_last = lt(value_hi, all(0) - slack_hi);
+    mask first_counts = either(owner_first, challenger_first), last_counts = either(owner_last, challenger_last);
+    mask decided = either(both(first_counts, last_counts), lt((hi - lo) * all(NARROW), lesser(far_lo, far_hi)));
+    mask owner_only = except(decided, either(challenger_first, challenger_last)),
+         challenger_only = except(decided, either(owner_first, owner_last));
+    lanes t = lo + (hi - lo) * (value_lo / (value_lo - value_hi));
+    *at = pick(owner_only, hi, pick(challenger_only, lo, greater(lesser(t, hi), lo)));
+    return both(may, either(either(owner_only, challenger_only), both(owner_first, challenger_last)));
+}
+
+/* The lanes in which one of the two is better at both ends. */
+static mask contest_ends(mask may, struct sources c, struct sources o, lanes lo, lanes hi, lanes *at)
+{
+    lanes cy2 = c.y * c.y, oy2 = o.y * o.y, lc = lo - c.x, l_o = lo - o.x, hc = hi - c.x, ho = hi - o.x;
+    lanes c_lo = c.sigma + root(lc * lc + cy2), o_lo = o.sigma + root(l_o * l_o + oy2),
+          slack_lo = all(GD_TOL_BETTER) * (c_lo + o_lo);
+    lanes c_hi = c.sigma + root(hc * hc + cy2), o_hi = o.sigma + root(ho * ho + oy2),
+          slack_hi = all(GD_TOL_BETTER) * (c_hi + o_hi);
+    mask owner = both(may, both(gt(c_lo - o_lo, slack_lo), gt(c_hi - o_hi, slack_hi)));
+    mask challenger = both(may, both(gt(o_lo - c_lo, slack_lo), gt(o_hi - c_hi, slack_hi)));
+    *at = pick(owner, hi, pick(challenger, lo, *at));
+    return either(owner, challenger);
+}
+
+/* The same for unequal sigma: the difference falls at one root in (lo, hi), or there is none. */
+static inline mask contest_unequal(mask may, struct sources c, struct sources o, lanes lo, lanes hi, lanes *at)
+{
+    const lanes zero = all(0);
+    lanes xc = c.x - lo, xo = o.x - lo, k = o.sigma - c.sigma, k2 = k * k, k4 = all(4) * k2, span = hi - lo;
+    lanes p = all(2) * (xo - xc), q = (xc - xo) * (xc + xo) + (c.y - o.y) * (c.y + o.y), s = q + k2, yc2 = c.y * c.y;
+    lanes a = k4 - p * p, b = k4 * xc + p * s, e = k4 * (xc * xc + yc2) - s * s, b2 = b * b, discriminant = b2 - a * e;
+    lanes r = root(greater(discriminant, zero)), z = pick(ge(b, zero), b + r, b - r), u = z / a, v = e / z;
+    lanes sign = pick(lt(k, zero), all(-1), all(1)),
+          least = k2 - all(GD_TOL_BRANCH) * (magnitude(q) + magnitude(p) * span);
+    mask real = ge(discriminant, all(-GD_TOL_DISCRIMINANT) * b2);
+    mask first = both(both(gt(u, zero), lt(u, span)), both(real, ge((p * u + q) * sign, least)));
+    mask second = both(both(gt(v, zero), lt(v, span)), both(real, ge((p * v + q) * sign, least)));
+    mask some = either(first, second), one = both(may, except(some, both(first, second))), none = except(may, some);
+    u = pick(first, u, v);
+
+    lanes dc = u - xc, d_o = u - xo, rc = root(dc * dc + yc2), ro = root(d_o * d_o + o.y * o.y), residual = rc - ro - k;
+    lanes slope = (dc * ro - d_o * rc) / (rc * ro), polished = u - residual / slope;
+    one = both(one, both(le(magnitude(residual), all(GD_TOL_ROOT_RESIDUAL) * (rc + ro)),
+                         lt(slope, all(-GD_TOL_POLISH_SLOPE))));
+    mask polish =
+        both(both(gt(polished, zero), lt(polished, span)), lt(magnitude(polished - u), all(GD_TOL_POLISH_STEP) * span));
+    *at = lo + pick(polish, polished, u);
+    return any(none) ? either(one, contest_ends(none, c, o, lo, hi, at)) : one;
+}
+
+/* --- children ------------------------------------------------------------------------------------------------------------ */
+
+/* A list of children while it is built: the last window (as it was before its successor cut it) in all lanes, and where the source of the last
+ * one that was offered lies, joined or not. */
+struct chain {
+    struct gd__children *list;
+    double width;
+    lanes b0, b1, x, y, sigma, offered_b0, offered_x, offered_y;
+    ids source;
+};
+
+static struct chain open_chain(struct gd__children *list, double width)
+{
+    lanes before = all(-1e300);
+    list->count = 0;
+    list->tangled = GD_NONE;
+    list->tangled_last = 0;
+    return (struct chain){list,   width,  before, before, before,          before,
+                          before, before, before, before, ids_all(GD_NONE)};
+}
+
+static inline void tangle(struct chain *chain, uint32_t first, uint32_t last)
+{
+    if (first < chain->list->tangled) chain->list->tangled = first;
+    if (last > chain->list->tangled_last) chain->list->tangled_last = last;
+}
+
+/* A group of children, compressed. own_b1: before others were joined to it, which is what it is contested by: the others may come in the next group. */
+struct group {
+    uint32_t count;
+    lanes b0, b1, own_b1, x, y, sigma;
+    ids source;
+};
+
+/* Lanes that see the source of the window before them and go on where it ends. */
+static inline mask find_joined(const struct chain *chain, const struct group *g, mask active)
+{
+    mask same = both(active, both(ids_eq(g->source, ids_after(chain->source, g->source)),
+                                  eq(g->sigma, after(chain->sigma, g->sigma))));
+    if (!any(same)) return same;
+    lanes x = after(chain->offered_x, g->x), y = after(chain->offered_y, g->y),
+          tolerance = all(GD_TOL_SAME_SOURCE) * (y + magnitude(x));
+    same = both(same, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
+    lanes b0 = after(chain->offered_b0, g->b0), b1 = after(chain->b1, g->b1);
+    lanes reach = g->b0 - all(GD_TOL_ADJACENT) * (g->b1 - g->b0) - all(chain->width);
+    return both(same, both(ge(b1, reach), both(le(b0, g->b0), ge(g->b1, b1))));
+}
+
+/* Joins runs of windows into their first ones. */
+static void join(struct chain *chain, struct group *g, mask joined)
+{
+    const struct gd__windows *out = &chain->list->at;
+    uint32_t active = bits(first_lanes(g->count)), inner = bits(joined), ends = active & ~(inner >> 1);
+    if (inner & 1) { /* the first run goes on with the list's last window */
+        lanes end = compress(mask_of(ends & -ends), g->b1);
+        out->b1[chain->list->count - 1] = first_of(end);
+        chain->b1 = last_of(end, 1);
+        ends &= ends - 1;
+    }
+    mask starts = mask_of(active & ~inner);
+    g->count = (uint32_t)__builtin_popcount(active & ~inner);
+    g->b0 = compress(starts, g->b0);
+    g->own_b1 = compress(starts, g->b1);
+    g->b1 = compress(mask_of(ends), g->b1);
+    g->x = compress(starts, g->x);
+    g->y = compress(starts, g->y);
+    g->sigma = compress(starts, g->sigma);
+    g->source = ids_compress(starts, g->source);
+}
+
+/* Contests each window with the one before it where they overlap, and cuts both where the overlap changes hands. */
+static inline void resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, mask overlap)
+{
+    const struct gd__windows *out = &chain->list->at;
+    uint32_t count = chain->list->count;
+    struct sources c = {g->x, g->y, g->sigma};
+    struct sources o = {after(chain->x, g->x), after(chain->y, g->y), after(chain->sigma, g->sigma)};
+    lanes lo = greater(g->b0, b0_before), hi = lesser(g->own_b1, b1_before), at_equal = lo, at_unequal = lo;
+    mask ordered = both(overlap, both(ge(g->b0, b0_before), ge(g->own_b1, b1_before)));
+    mask equal = both(ordered, eq(c.sigma, o.sigma)), unequal = except(ordered, equal), cut = equal;
+    if (any(equal)) cut = contest_equal(equal, c, o, lo, hi, &at_equal);
+    if (any(unequal)) cut = either(cut, contest_unequal(unequal, c, o, lo, hi, &at_unequal));
+    lanes at = pick(equal, at_equal, at_unequal);
+    g->b0 = pick(cut, at, g->b0);
+    g->b1 = pick(mask_ahead(cut), ahead(at), g->b1);
+    if (bits(cut) & 1) {
+        out->b1[count - 1] = first_of(at);
+        if (out->b1[count - 1] - out->b0[count - 1] <= chain->width) tangle(chain, count - 1, count - 1);
+    }
+    mask narrow = both(first_lanes(g->count), le(lesser(g->b1, g->own_b1) - g->b0, all(chain->width)));
+    mask tangled = either(except(overlap, cut), narrow);
+    if (any(tangled)) tangle(chain, count + first_set(tangled), count + last_set(tangled));
+}
+
+/* Appends the windows of `keep`. */
+static inline void append(struct chain *chain, bool coalesce, mask keep, lanes b0, lanes b1, lanes x, lanes y,
+                          lanes sigma, ids source)
+{
+    uint32_t set = bits(keep);
+    if (!set) return;
+    struct group g; /* field by field: an initialiser would clear it first */
+    g.count = (uint32_t)__builtin_popcount(set);
+    g.b0 = compress(keep, b0);
+    g.b1 = g.own_b1 = compress(keep, b1);
+    g.x = compress(keep, x);
+    g.y = compress(keep, y);
+    g.sigma = compress(keep, sigma);
+    g.source = ids_compress(keep, source);
+    lanes offered_b0 = last_of(g.b0, g.count), offered_x = last_of(g.x, g.count), offered_y = last_of(g.y, g.count);
+    if (coalesce) {
+        mask joined = find_joined(chain, &g, first_lanes(g.count));
+        if (any(joined)) join(chain, &g, joined);
+    }
+    chain->offered_b0 = offered_b0;
+    chain->offered_x = offered_x;
+    chain->offered_y = offered_y;
+    if (!g.count) return;
+    const struct gd__windows *out = &chain->list->at;
+    lanes b0_before = after(chain->b0, g.b0), b1_before = after(chain->b1, g.b1), whole_b0 = g.b0, whole_b1 = g.b1;
+    mask overlap = both(first_lanes(g.count), gt(b1_before - g.b0, all(chain->width)));
+    if (any(overlap)) resolve(chain, &g, b0_before, b1_before, overlap);
+    uint32_t count = chain->list->count;
+    store(out->b0 + count, g.b0);
+    store(out->b1 + count, g.b1);
+    store(out->x + count, g.x);
+    store(out->y + count, g.y);
+    store(out->sigma + count, g.sigma);
+    ids_store(out->source + count, g.source);
+    chain->list->count = count + g.count;
+    chain->b0 = last_of(whole_b0, g.count);
+    chain->b1 = last_of(whole_b1, g.count);
+    chain->x = last_of(g.x, g.count);
+    chain->y = last_of(g.y, g.count);
+    chain->sigma = last_of(g.sigma, g.count);
+    chain->source = ids_last_of(g.source, g.count);
+}
+
+/* A source at or beside the line of the children's edge: gd__window_grazes, lane by lane. */
+static mask drop_grazing(mask keep, lanes x, lanes y, double length)
+{
+    uint32_t left = bits(keep), low = bits(both(keep, le(y, all(GD_TOL_GRAZING * length))));
+    double xs[LANES], ys[LANES];
+    store(xs, x);
+    store(ys, y);
+    for (; low; low &= low - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(low);
+        if (gd__window_grazes(xs[i], ys[i], length)) left &= ~(1u << i);
+    }
+    return mask_of(left);
+}
+
+static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length)
+{
+    mask keep = both(may, gt(t1 - t0, all(GD_TOL_WIDTH * length)));
+    if (any(both(keep, le(y, all(GD_TOL_GRAZING * length))))) keep = drop_grazing(keep, x, y, length);
+    return keep;
+}
+
+/* --- casting ------------------------------------------------------------------------------------------------------------- */
+
+/* Offers the apex, by turns, the lengths of the ways through the windows of `offers`: straight where it is visible, else round the window's nearer
+ * end, which closes gaps. */
+static void reach_apex(struct gd__apex *apex, const struct gd__windows *w, uint32_t i, mask offers, mask sees_left,
+                       mask sees_right, lanes px, lanes py)
+{
+    lanes x = load(w->x + i), y = load(w->y + i), sigma = load(w->sigma + i), hx = px - x, hy = py + y;
+    mask straight = both(sees_left, sees_right);
+    lanes end = pick(sees_left, load(w->b1 + i), load(w->b0 + i)), ex = end - x, fx = px - end;
+    lanes bent = sigma + root(ex * ex + y * y) + root(fx * fx + py * py);
+    double distance[LANES], ends[LANES];
+    store(distance, pick(straight, sigma + root(hx * hx + hy * hy), bent));
+    store(ends, end);
+    for (uint32_t left = bits(offers); left; left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left), at = i + lane;
+        if (distance[lane] >= apex->distance * (1 - GD_TOL_BETTER)) continue;
+        bool bends = !(bits(straight) >> lane & 1);
+        apex->distance = distance[lane];
+        apex->improved = true;
+        apex->x = bends ? ends[lane] : w->x[at];
+        apex->y = bends ? 0 : w->y[at];
+        apex->source = bends ? GD_NONE : w->source[at];
+    }
+}
+
+static void cast(const struct gd_side *side, const struct gd__windows *w, uint32_t count, bool coalesce,
+                 struct gd__apex *apex, struct gd__children *left_list, struct gd__children *right_list)
+{
+    const double left_length = side->left_length, right_length = side->right_length;
+    const double apex_x = left_length * side->left_x, apex_y = left_length * side->left_y;
+    const lanes zero = all(0), px = all(apex_x), py = all(apex_y), whole = all(side->length);
+    const lanes ux = all(side->left_x), uy = all(side->left_y), vx = all(side->right_x), vy = all(side->right_y);
+    struct chain left = open_chain(left_list, GD_TOL_WIDTH * left_length),
+                 right = open_chain(right_list, GD_TOL_WIDTH * right_length);
+    for (uint32_t i = 0; i < count; i += LANES) {
+        mask active = first_lanes(count - i);
+        lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i),
+              sigma = load(w->sigma + i);
+        ids source = ids_load(w->source + i);
+        lanes e0 = b0 - x, e1 = b1 - x, hx = px - x, hy = py + y, turn = y * hx, k0 = e0 * hy - turn,
+              k1 = e1 * hy - turn;
+
+        lanes room = all(apex->distance) - sigma;
+        mask offers = both(active, both(gt(room, zero), lt(hx * hx + hy * hy, room * room)));
+        if (any(offers)) reach_apex(apex, w, i, offers, le(k0, zero), ge(k1, zero), px, py);
+
+        mask to_left = both(active, lt(k0, zero));
+        if (any(to_left)) {
+            lanes yl = uy * x + ux * y, xl = x * ux - y * uy, back = y * ux, minus_y = zero - y;
+            lanes t0 = b0 * minus_y / (e0 * uy - back), t1 = b1 * minus_y / (e1 * uy - back);
+            t0 = pick(except(ge(t0, zero), le(b0, zero)), t0, zero);
+            t1 = pick(except(le(t1, all(left_length)), ge(k1, zero)), t1, all(left_length));
+            append(&left, coalesce, wide_enough(to_left, t0, t1, xl, yl, left_length), t0, t1, xl, yl, sigma, source);
+        }
+        mask to_right = both(active, gt(k1, zero));
+        if (any(to_right)) {
+            lanes rx = x - px, ry = zero - y - py, yr = vy * rx - vx * ry, xr = rx * vx + ry * vy, back = y * vx;
+            lanes t0 = (zero - k0) / (e0 * vy - back), t1 = (zero - k1) / (e1 * vy - back);
+            t0 = pick(except(ge(t0, zero), le(k0, zero)), t0, zero);
+            t1 = pick(except(le(t1, all(right_length)), ge(b1, whole)), t1, all(right_length));
+            append(&right, coalesce, wide_enough(to_right, t0, t1, xr, yr, right_length), t0, t1, xr, yr, sigma,
+                   source);
+        }
+    }
+}
+
+const struct gd__kernel KERNEL(kernel) = {
+    .name = KERNEL_NAME, .filter = filter, .within = within, .store = store_wedges, .cast = cast};

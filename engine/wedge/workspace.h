@@ -1,0 +1,65 @@
+/* The workspace from the inside: arrays that are clean between propagations, so that a propagation pays for what it touches only. */
+#ifndef GD_WEDGE_WORKSPACE_H
+#define GD_WEDGE_WORKSPACE_H
+
+#include "base/region.h"
+#include "gd/workspace.h"
+#include "mesh/topology.h"
+#include "wedge/guide.h"
+#include "wedge/list.h"
+#include "wedge/queue.h"
+
+#define GD__FAR 1e300 /* not reached yet; inside lengths stay far below */
+
+/* How a vertex got its distance: the last leg of its shortest path. The leg starts at (x, -y) in the frame of `side`, the side opposite to the
+ * vertex: beyond the side where it crosses it (y >= 0), in the face itself where a seed lies there (y < 0). The direction back is stored by
+ * its far end, not by the crossing: where the vertex lies on or almost on that side, the crossing would not tell it. */
+struct gd__birth {
+    double x, y;
+    uint32_t side; /* GD_NONE: the leg runs along an edge */
+    uint32_t
+        source; /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the edge knows how it goes on */
+};
+
+struct gd_workspace {
+    uint32_t edges, vertices; /* that the arrays have room for */
+
+    /* Clean, each array: no windows; GD__FAR; 0; GD_NONE. A propagation may keep distance, birth and newest, all three: they are NULL then. */
+    struct gd__list *lists; /* per side */
+    double *emitted;        /* per vertex: the distance that it last emitted windows with */
+    uint32_t *since;   /* per vertex: where in `wedges` the chunks of its present distance begin, in GD__CHUNK_UNITs */
+    uint32_t *waiting; /* per vertex: bucket of the queue, GD_NONE: in none */
+    double *distance;  /* per vertex */
+    struct gd__birth *birth;                /* per vertex */
+    uint32_t result_edges, result_vertices; /* of distance, birth, newest: just those of the last mesh */
+    uint32_t *newest; /* per edge: its newest chunk of wedges, in GD__CHUNK_UNITs of `wedges`; GD_NONE: none */
+
+    uint32_t *touched; /* sides, then vertices behind all sides: what is not clean; as many as fit, see touched_count */
+    uint32_t touched_capacity, touched_count; /* count > capacity: anything may be touched */
+
+    struct gd__guide guide; /* of searches for one target */
+
+    struct gd__region wedges; /* chunks; closed where a propagation kept them */
+    struct gd__queue *queue;
+    struct gd__pool pool;
+    struct gd__children left, right;
+    struct gd__scratch scratch;
+};
+
+/* Bytes that a propagation over the mesh takes before it begins. */
+size_t gd__workspace_need(const struct gd_mesh *mesh);
+
+/* Makes room for the mesh: all arrays are there and clean, the queue empty with buckets of that width. GD_NO_MEMORY, GD_BUDGET. */
+GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace, const struct gd_mesh *mesh,
+                                              double bucket_width, const struct gd_control *control);
+
+/* Cleans what the propagation touched. */
+void gd__workspace_clean(struct gd_workspace *workspace);
+
+static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t node)
+{
+    if (workspace->touched_count < workspace->touched_capacity) workspace->touched[workspace->touched_count] = node;
+    workspace->touched_count++;
+}
+
+#endif

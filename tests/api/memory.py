@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Memory of the daemon against its budget, and its first field against later ones: figures, no verdict.
+
+    tests/api/memory.py [OBJ ...]
+
+Without files it takes sample meshes. Each row: fields asked for, resident memory against the budget and against what the
+daemon counts, both above what a daemon without meshes has.
+"""
+import pathlib
+import statistics
+import sys
+import time
+
+from harness import Daemon, sample
+
+FIELDS = 200
+BUDGETS = ("96MiB", "512MiB", "2GiB")
+FRESH = 7  # daemons
+STRIDE = 7919  # from one source to the next, in faces
+CLASSES = ("meshes", "fields", "flight", "workspaces", "spare")
+
+
+def sample_files():
+    return {
+        "grid 16": sample("grid", columns=16, rows=16),
+        "grid 200": sample("grid", columns=200, rows=200),
+        "terrain 96": sample("terrain", cells=96, amplitude=1),
+        "icosphere 5": sample("icosphere", level=5),
+    }
+
+
+def resident(daemon):
+    """Bytes of resident memory that are not backed by a file."""
+    for line in pathlib.Path(f"/proc/{daemon.process.pid}/status").read_text().splitlines():
+        if line.startswith("RssAnon:"):
+            return int(line.split()[1]) << 10
+    raise KeyError("RssAnon")
+
+
+def counted(daemon):
+    lines = daemon.get("/metrics").body.decode().splitlines()
+    values = dict(line.split() for line in lines if line.startswith("geodesicd_memory_bytes{"))
+    return {name: int(values[f'geodesicd_memory_bytes{{class="{name}"}}']) for name in CLASSES}
+
+
+
+def ask(daemon, name, count, number):
+    """Asks across the mesh, from a source that was not asked for before; seconds."""
+    source, target = STRIDE * number % count, (STRIDE * number + count // 2) % count
+    begin = time.monotonic()
+    answer = daemon.get(f"/v1/meshes/{name}/distance?from=f:{source}:0.2,0.3,0.5&to=f:{target}:0.5,0.2,0.3")
+    assert answer.status in (200, 507), answer
+    return time.monotonic() - begin
+
+
+def upload(daemon, files):
+    counts = {}
+    for number, body in enumerate(files.values()):
+        answer = daemon.put(f"m{number}", body)
+        if answer.status == 201:
+            counts[f"m{number}"] = answer.json["faces"]
+    return counts
+
+
+def against_budget(budget, files):
+    with Daemon("--memory-budget", budget, "--max-body", "64MiB", "--workers", "2") as daemon:
+        before = resident(daemon)
+        limit = daemon.metric("memory_budget_bytes")
+        counts, peak = upload(daemon, files), 0
+        for number in range(FIELDS):
+            for name, count in counts.items():
+                ask(daemon, name, count, number)
+                peak = max(peak, resident(daemon))
+        held = counted(daemon)
+        total = sum(held.values())
+        grown = resident(daemon) - before
+        print(f"{budget:>7} {len(counts)} meshes, {FIELDS} fields each: resident {grown / 1e6:.0f} MB, peak {(peak - before) / 1e6:.0f} MB "
+              f"= {(peak - before) / limit:.2f} of the budget; counted {total / 1e6:.0f} MB: "
+              + ", ".join(f"{name} {value / 1e6:.0f}" for name, value in held.items()), flush=True)
+
+
+def first_against_later(label, body):
+    first, later = [], []
+    with Daemon() as warm:
+        count = warm.put("m", body).json["faces"]
+        for number in range(FRESH, 3 * FRESH):
+            ask(warm, "m", count, number)
+        for number in range(FRESH):
+            with Daemon() as fresh:
+                fresh.put("m", body)
+                first.append(ask(fresh, "m", count, number))
+            later.append(ask(warm, "m", count, number))
+    ratio = statistics.median(a / b for a, b in zip(first, later))
+    print(f"{label:>16}: first field {statistics.median(first) * 1e3:.1f} ms, later {statistics.median(later) * 1e3:.1f} ms, "
+          f"ratio {ratio:.2f}", flush=True)
+
+
+def main():
+    files = {pathlib.Path(path).stem: pathlib.Path(path).read_bytes() for path in sys.argv[1:]} or sample_files()
+    for budget in BUDGETS:
+        against_budget(budget, files)
+    for label, body in files.items():
+        first_against_later(label, body)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,130 @@
+"""What the scripts of the benchmark share: running programs that print JSON lines, tables, and where things are."""
+import datetime
+import json
+import os
+import pathlib
+import platform
+import re
+import shlex
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED") or ROOT.parent / "shared") / "meshes"
+
+
+class Failure(Exception):
+    """A program did not do what it should; the sentence says which and what."""
+
+
+def run_lines(command, timeout):
+    """The JSON lines that the command prints, as dicts."""
+    text = shlex.join(map(str, command))
+    try:
+        done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout)
+    except subprocess.TimeoutExpired:
+        raise Failure(f"{text}: no end after {timeout:g} s") from None
+    except OSError as error:
+        raise Failure(f"{text}: {error.strerror}") from None
+    if done.returncode != 0:
+        raise Failure(f"{text}: exit status {done.returncode}: {done.stderr.strip()[-300:]}")
+    try:
+        return [json.loads(line) for line in done.stdout.splitlines()]
+    except ValueError:
+        raise Failure(f"{text}: prints what is not JSON: {done.stdout[:200]!r}") from None
+
+
+def find_program(path):
+    """The path, or the end of this program when nothing is there."""
+    if not path.exists():
+        sys.exit(f"{path} is not there: make {path}")
+    return path
+
+
+class Mesh:
+    """A mesh of the benchmark: a short name, and gd_bench's arguments for it."""
+
+    def __init__(self, name, *arguments):
+        self.name, self.arguments = name, [str(argument) for argument in arguments]
+
+    @property
+    def is_there(self):
+        path = self.arguments[-1]
+        return path.startswith("sample:") or os.path.exists(path)
+
+
+def sample(name, *options, **parameters):
+    """A generated mesh, named by its sample and parameters."""
+    text = ",".join([name] + [f"{key}={value}" for key, value in parameters.items()])
+    return Mesh(" ".join([text, *map(str, options)]), *options, "sample:" + text)
+
+
+def shared(name, *options):
+    """One of the shared test meshes, which may not be there."""
+    return Mesh(" ".join([name, *map(str, options)]), *options, SHARED / f"{name}.obj")
+
+
+def pin(cpu):
+    """Keeps this process and those that it starts on one processor; None: the last one it may use. Returns its number."""
+    cpu = max(os.sched_getaffinity(0)) if cpu is None else cpu
+    os.sched_setaffinity(0, {cpu})
+    return cpu
+
+
+def machine():
+    """What was measured on, and when."""
+    try:
+        model = re.search(r"^model name\s*: (.*)$", pathlib.Path("/proc/cpuinfo").read_text(), re.M)
+    except OSError:
+        model = None
+    return {"processor": model.group(1) if model else platform.machine(), "processors": os.cpu_count(), "load": os.getloadavg(),
+            "system": platform.platform(), "time": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")}
+
+
+def write_json(path, value):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(value, indent=1) + "\n")
+
+
+def number(value, digits=3):
+    """A number for people: three digits, all those before the point; a dash for None."""
+    if value is None:
+        return "-"
+    if value == 0 or abs(value) >= 100:
+        return f"{value:,.0f}"
+    return f"{value:.{max(0, digits - len(str(int(abs(value)))) + (abs(value) < 1))}f}"
+
+
+def show_progress(words):
+    """On one line of standard error, if that is a terminal; nothing clears it."""
+    if sys.stderr.isatty():
+        print(f"\r{words}\033[K", end="", file=sys.stderr, flush=True)
+
+
+def print_table(headers, rows):
+    """Columns aligned, the first one to the left, the others to the right."""
+    widths = [max(len(row[i]) for row in [headers, *rows]) for i in range(len(headers))]
+    for row in [headers, *rows]:
+        print("  ".join(cell.rjust(width) if i else cell.ljust(width) for i, (cell, width) in enumerate(zip(row, widths))).rstrip())
+    sys.stdout.flush()
+
+
+class Checks:
+    """`ok` and `not ok` lines for tests/run.py, and the exit status that belongs to them."""
+
+    def __init__(self):
+        self.failed = 0
+
+    def check(self, name, test):
+        """Runs the test, which raises or asserts when it fails."""
+        try:
+            test()
+            print(f"ok {name}")
+        except (Failure, AssertionError, KeyError, OSError) as error:
+            self.failed += 1
+            print(f"not ok {name}: {type(error).__name__}: {error}")
+        sys.stdout.flush()
+
+    @property
+    def status(self):
+        return 1 if self.failed else 0

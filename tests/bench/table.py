@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""Measures the engine on generated and shared meshes: prints a table, writes bench.json into the build folder.
+
+usage: tests/bench/table.py [--build DIR] [--pin CPU] [--only WORD] [--quick]
+
+--quick measures next to nothing: it checks that every subcommand runs and prints what is promised, with `ok` and `not ok` lines.
+"""
+import argparse
+import pathlib
+import sys
+
+from common import Checks, Failure, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
+
+MESHES = [
+    sample("icosphere", level=5),
+    sample("icosphere", "--noise", 0.3, level=6),
+    sample("torus", columns=200, rows=100),
+    sample("scan", faces=20000),
+    sample("terrain", cells=100),
+    sample("grid", columns=100, rows=100),
+    sample("box", cells=40),
+    sample("cylinder", sides=4000, rings=4),
+    sample("obstacles", count=50),
+    shared("spot"),
+    shared("fandisk"),
+    shared("rocker-arm"),
+    shared("stanford-bunny"),
+    shared("fandisk", "--subdivide", 1),
+    shared("stanford-bunny", "--subdivide", 1),
+    shared("stanford-bunny", "--subdivide", 2),
+]
+SMALL = [
+    sample("icosphere", level=2),
+    sample("grid", "--subdivide", 1, columns=6, rows=4),
+    sample("torus", "--noise", 0.3, columns=16, rows=8),
+]
+LARGE = 200_000  # faces from which repetitions are fewer
+
+# subcommand: repetitions, repetitions on large meshes
+RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5)}
+
+PROMISED = {
+    "field": ["mesh", "vertices", "field_ms", "field_ms_p95", "field_cpu_ms", "first_ms", "windows_created", "windows_propagated",
+              "wedges", "bytes", "peak_bytes"],
+    "pair": ["mesh", "pair_ms_median", "pair_ms_p95", "first_ms", "peak_bytes"],
+    "warm": ["mesh", "distances_per_s", "distances_per_s_face_order", "paths_per_s", "crossings_per_path"],
+    "locate": ["mesh", "nearest_per_s", "nearest_on_surface_per_s", "rays_per_s"],
+    "load": ["mesh", "read_ms", "parse_ms", "build_ms", "load_ms", "peak_bytes"],
+}
+
+# header, subcommand, key, divisor
+COLUMNS = [
+    ("faces", "field", "faces", 1),
+    ("field ms", "field", "field_ms", 1),
+    ("p95", "field", "field_ms_p95", 1),
+    ("first", "field", "first_ms", 1),
+    ("wedges/edge", "field", "wedges_per_edge", 1),
+    ("bytes/edge", "field", "bytes_per_edge", 1),
+    ("peak MB", "field", "peak_bytes", 1e6),
+    ("pair ms", "pair", "pair_ms_median", 1),
+    ("p95", "pair", "pair_ms_p95", 1),
+    ("distances k/s", "warm", "distances_per_s", 1e3),
+    ("by face k/s", "warm", "distances_per_s_face_order", 1e3),
+    ("paths k/s", "warm", "paths_per_s", 1e3),
+    ("nearest k/s", "locate", "nearest_per_s", 1e3),
+    ("rays k/s", "locate", "rays_per_s", 1e3),
+    ("load ms", "load", "load_ms", 1),
+]
+
+
+def measure(bench, mesh):
+    """What each subcommand prints of the mesh."""
+    result, large = {}, False
+    for command, runs in RUNS.items():
+        show_progress(f"{mesh.name}: {command}")
+        line, = run_lines([bench, command, "--runs", runs[large], *mesh.arguments], timeout=900)
+        result[command], large = line, line["faces"] >= LARGE
+    return result
+
+
+def measure_all(bench, meshes):
+    """The meshes' results by name, and the sentences of those that failed."""
+    results, failures = {}, []
+    for mesh in meshes:
+        try:
+            results[mesh.name] = measure(bench, mesh)
+        except Failure as failure:
+            failures.append(str(failure))
+    show_progress("")
+    return results, failures
+
+
+def cells(name, result):
+    return [name] + [number(result[command][key] / divisor) for _, command, key, divisor in COLUMNS]
+
+
+def check_promises(bench):
+    checks = Checks()
+    for mesh in SMALL:
+        for command, keys in PROMISED.items():
+            def test():
+                line, = run_lines([bench, command, "--runs", 2, *mesh.arguments], timeout=60)
+                assert not (missing := [key for key in keys if key not in line]), f"without {missing}"
+                assert all(line[key] > 0 for key in keys if key.endswith("_per_s") or key in ("field_ms", "pair_ms_median", "load_ms"))
+            checks.check(f"gd_bench {command} {mesh.name} prints what is promised", test)
+    return checks.status
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
+    arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
+    arguments.add_argument("--only", default="", help="only meshes whose name has this in it")
+    arguments.add_argument("--quick", action="store_true")
+    options = arguments.parse_args()
+    bench = find_program(options.build / "gd_bench")
+    if options.quick:
+        return check_promises(bench)
+    cpu, before = pin(options.pin), machine()
+    results, failures = measure_all(bench, [mesh for mesh in MESHES if mesh.is_there and options.only in mesh.name])
+    print_table(["mesh"] + [header for header, *_ in COLUMNS], [cells(name, result) for name, result in results.items()])
+    for failure in failures:
+        print(failure, file=sys.stderr)
+    path = options.build / "bench.json"
+    write_json(path, {"machine": before, "cpu": cpu, "load_at_end": machine()["load"], "meshes": results, "failures": failures})
+    print(f"written: {path}; one processor, medians; load {before['load'][0]:.1f} at the start, {machine()['load'][0]:.1f} at the end")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,201 @@
+#include "tests/support/test.h"
+
+#include <string.h>
+#include <sys/resource.h>
+
+#include "base/region.h"
+
+#define MEGABYTE ((size_t)1 << 20)
+#define LIMIT    (10 * MEGABYTE)
+
+static bool is_aligned(const void *p)
+{
+    return (uintptr_t)p % 64 == 0;
+}
+
+/* Fills [from, to) with numbers that say where they are; checks them. */
+static void fill(char *base, size_t from, size_t to)
+{
+    for (size_t at = from; at < to; at += sizeof at) memcpy(base + at, &at, sizeof at);
+}
+
+static void check_filled(const char *base, size_t size)
+{
+    for (size_t at = 0; at < size; at += sizeof at) assert_memory_equal(base + at, &at, sizeof at);
+}
+
+/* By pieces of every size. */
+static size_t grow(struct gd__region *region, size_t size)
+{
+    for (size_t piece = 8; region->used + piece <= size; piece += piece / 3 & ~(size_t)7) {
+        check_ok(gd__region_reserve(region, piece), NULL);
+        assert_true(region->granted >= region->used + piece);
+        fill(region->base, region->used, region->used + piece);
+        region->used += piece;
+        if (piece < 24) piece += 8;
+    }
+    return region->used;
+}
+
+/* In place as far as it was foreseen, and beyond, by moving its pages. */
+static void grows(void **state)
+{
+    (void)state;
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    assert_true(is_aligned(region.base));
+    assert_int_equal(region.used, 0);
+    const char *base = region.base;
+    grow(&region, MEGABYTE);
+    assert_ptr_equal(region.base, base);
+    size_t size = grow(&region, 40 * MEGABYTE);
+    assert_true(size > 20 * MEGABYTE && is_aligned(region.base));
+    check_filled(region.base, size);
+    gd__region_destroy(&region);
+    assert_null(region.base);
+    gd__region_destroy(&region); /* nothing to give back: harmless */
+}
+
+/* The budget counts what the owner has elsewhere, and what was refused changes nothing. */
+static void asks_the_budget(void **state)
+{
+    (void)state;
+    struct gd_control control = {.budget_bytes = 10 * MEGABYTE};
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, &control, 4 * MEGABYTE), NULL);
+    check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* to the last byte */
+    region.used = 6 * MEGABYTE;
+    struct gd__region before = region;
+    assert_int_equal(gd__region_reserve(&region, 8), GD_BUDGET);
+    assert_memory_equal(&region, &before, sizeof region);
+    check_ok(gd__region_reserve(&region, 0), NULL);
+    gd__region_destroy(&region);
+    check_ok(gd__region_open(&region, MEGABYTE, &control, 4 * MEGABYTE), NULL);
+    size_t step = 24 * 100;
+    while (gd__region_reserve(&region, step) == GD_OK) region.used += step; /* never more than allowed, and all of it */
+    assert_true(region.used + step > 6 * MEGABYTE && region.granted <= 6 * MEGABYTE);
+    gd__region_destroy(&region);
+}
+
+/* A region that is opened again begins anew, with another owner's budget, in the same place. */
+static void opens_again(void **state)
+{
+    (void)state;
+    struct gd_control control = {.budget_bytes = 3 * MEGABYTE};
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    grow(&region, 5 * MEGABYTE);
+    const char *base = region.base;
+    check_ok(gd__region_open(&region, MEGABYTE, &control, 2 * MEGABYTE), NULL);
+    assert_ptr_equal(region.base, base);
+    assert_int_equal(region.used, 0);
+    assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET); /* though its pages are there */
+    check_filled(region.base, grow(&region, MEGABYTE));
+    gd__region_destroy(&region);
+}
+
+static void has_an_end(void **state)
+{
+    (void)state;
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    assert_int_equal(gd__region_reserve(&region, GD__REGION_MOST + 8), GD_BUDGET);
+    check_filled(region.base, grow(&region, MEGABYTE)); /* it goes on below */
+    gd__region_destroy(&region);
+}
+
+/* *used: what of it is filled. */
+static struct gd__kept make_kept(size_t size, size_t *used)
+{
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    *used = grow(&region, size);
+    struct gd__kept kept = gd__region_close(&region);
+    assert_null(region.base);
+    return kept;
+}
+
+static void closing_keeps_the_content(void **state)
+{
+    (void)state;
+    size_t used;
+    struct gd__kept kept = make_kept(5 * MEGABYTE, &used);
+    assert_true(kept.base && used > 2 * MEGABYTE && kept.bytes >= used);
+    check_filled(kept.base, used);
+    gd__region_release(&kept);
+    kept = make_kept(0, &used);
+    assert_null(kept.base); /* nothing was used */
+    gd__region_release(&kept);
+}
+
+/* Released memory is kept up to the limit, and used again; without a limit none is. */
+static void keeps_spare_memory(void **state)
+{
+    (void)state;
+    struct gd__kept kept[12];
+    size_t used;
+    for (int i = 0; i < 12; i++) kept[i] = make_kept(MEGABYTE, &used);
+    gd__region_release(&kept[0]);
+    assert_int_equal(gd__region_spare(), 0);
+    gd__region_keep_spare(LIMIT);
+    for (int i = 1; i < 12; i++) {
+        gd__region_release(&kept[i]);
+        assert_true(gd__region_spare() >= kept[i].bytes && gd__region_spare() <= LIMIT);
+    }
+    size_t spare = gd__region_spare();
+    struct gd__region region = {0};
+    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    assert_ptr_equal(region.base, kept[11].base); /* the newest */
+    assert_true(region.used == 0 && gd__region_spare() < spare);
+    check_filled(region.base, grow(&region, 3 * MEGABYTE));
+    gd__region_destroy(&region);
+    struct gd__kept large = make_kept(20 * MEGABYTE, &used); /* more than may be kept */
+    spare = gd__region_spare();
+    gd__region_release(&large);
+    assert_true(gd__region_spare() <= spare);
+    gd__region_keep_spare(0);
+    assert_int_equal(gd__region_spare(), 0);
+}
+
+/* Where address space is scarce a region is smaller, and says so when it is full. */
+static void makes_do_with_little_address_space(void **state)
+{
+    (void)state;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    print_message("# not asked under a sanitizer, which needs all address space itself\n");
+#else
+    struct rlimit before, scarce;
+    assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+    scarce = (struct rlimit){.rlim_cur = 200 * MEGABYTE, .rlim_max = before.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_AS, &scarce), 0);
+    struct gd__region region = {0}, more = {0};
+    enum gd_status status = gd__region_open(&region, MEGABYTE, NULL, 0),
+                   full = gd__region_reserve(&region, 300 * MEGABYTE);
+    size_t size = status ? 0 : grow(&region, 20 * MEGABYTE);
+    scarce.rlim_cur = MEGABYTE; /* less than is in use: nothing more is given */
+    int limited = setrlimit(RLIMIT_AS, &scarce);
+    enum gd_status none = gd__region_open(&more, MEGABYTE, NULL, 0);
+    assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+    check_ok(status, NULL);
+    assert_int_equal(full, GD_NO_MEMORY);
+    check_filled(region.base, size);
+    gd__region_destroy(&region);
+    assert_int_equal(limited, 0);
+    assert_int_equal(none, GD_NO_MEMORY);
+    assert_null(more.base);
+#endif
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grows),
+        cmocka_unit_test(asks_the_budget),
+        cmocka_unit_test(opens_again),
+        cmocka_unit_test(has_an_end),
+        cmocka_unit_test(closing_keeps_the_content),
+        cmocka_unit_test(keeps_spare_memory),
+        cmocka_unit_test(makes_do_with_little_address_space),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
