@@ -22,9 +22,14 @@ void gd__landmarks_offer(const struct gd_landmarks *landmarks, const struct gd_m
 
 /* --- life ---------------------------------------------------------------------------------------------------------------- */
 
+static size_t distance_bytes(const struct gd_mesh *mesh)
+{
+    return sizeof(float) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
+}
+
 static size_t bytes_of(const struct gd_mesh *mesh)
 {
-    return sizeof(struct gd_landmarks) + sizeof(float) * GD__LANDMARKS_MOST * (size_t)mesh->vertex_count;
+    return sizeof(struct gd_landmarks) + distance_bytes(mesh);
 }
 
 static struct gd_landmarks *create(const struct gd_mesh *mesh, uint32_t count)
@@ -156,13 +161,16 @@ static struct header header_of(const struct gd_mesh *mesh, uint32_t count)
     return header;
 }
 
-size_t gd_landmarks_write(const struct gd_landmarks *landmarks, void *bytes)
+size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
+{
+    return sizeof(struct header) + distance_bytes(landmarks->mesh);
+}
+
+void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 {
     struct header header = header_of(landmarks->mesh, landmarks->count);
-    size_t size = sizeof(float) * GD__LANDMARKS_MOST * (size_t)landmarks->mesh->vertex_count;
     memcpy(bytes, &header, sizeof header);
-    memcpy((char *)bytes + sizeof header, landmarks->distance, size);
-    return sizeof header + size;
+    memcpy((char *)bytes + sizeof header, landmarks->distance, distance_bytes(landmarks->mesh));
 }
 
 static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size)
@@ -173,11 +181,11 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
         return GD_UNRECOGNIZED;
     if (header->vertices != expected.vertices || header->fingerprint != expected.fingerprint)
         return GD_INVALID_ARGUMENT;
-    return size == sizeof *header + sizeof(float) * GD__LANDMARKS_MOST * (size_t)header->vertices ? GD_OK
-                                                                                                  : GD_TRUNCATED;
+    return size == sizeof *header + distance_bytes(mesh) ? GD_OK : GD_TRUNCATED;
 }
 
-enum gd_status gd_landmarks_read(const struct gd_mesh *mesh, const void *bytes, size_t size, struct gd_landmarks **out)
+enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *bytes, size_t size,
+                                       struct gd_landmarks **out)
 {
     struct header header;
     if (size < sizeof header) return GD_TRUNCATED;

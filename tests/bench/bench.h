@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/control.h"
 #include "gd/point.h"
 #include "tests/samples/random.h"
 
@@ -35,13 +36,14 @@ bool bench_arguments_end(char **arguments, bool wants_mesh);
 
 /* What all subcommands that measure understand. */
 struct bench_options {
-    uint32_t runs;   /* --runs: repetitions; set to the subcommand's default before parsing */
-    bool repair;     /* --repair: what is no surface is cut apart, see gd_mesh_options */
-    uint32_t levels; /* --subdivide: so many times every triangle is split at the middles of its edges */
-    double noise;    /* --noise: then every vertex is moved along its normal by up to so many mean edges */
+    uint32_t runs;      /* --runs: repetitions; set to the subcommand's default before parsing */
+    bool repair;        /* --repair: what is no surface is cut apart, see gd_mesh_options */
+    uint32_t levels;    /* --subdivide: so many times every triangle is split at the middles of its edges */
+    double noise;       /* --noise: then every vertex is moved along its normal by up to so many mean edges */
+    uint32_t landmarks; /* --landmarks: built before pairs are solved */
 };
 
-/* Takes all options from the front, in any order, and pins the process (--pin CPU). A mesh must follow. False, after a sentence, on misuse. */
+/* Takes all options from the front, in any order, pins the process (--pin PROCESSOR) and chooses its kernels (--cpu NAME). A mesh must follow. False, after a sentence, on misuse. */
 bool bench_take_options(char ***arguments, struct bench_options *options);
 
 /* --- input.c: meshes ----------------------------------------------------------------------------------------------------- */
@@ -74,6 +76,9 @@ int bench_each_mesh(char **arguments, uint32_t runs,
                     void (*measure)(const char *name, const struct gd_mesh *mesh, const struct bench_options *options));
 
 /* --- measure.c: clocks, memory, statistics, output ----------------------------------------------------------------------- */
+
+/* What a worker of the daemon works with: a workspace, and memory of released fields that is kept for the next. One for the process; no limits. */
+const struct gd_control *bench_control(void);
 
 /* Memory or the end of the program. */
 void *bench_allocate(size_t bytes);

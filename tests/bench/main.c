@@ -28,7 +28,9 @@ static void print_usage(void)
                 commands[i].arguments, commands[i].sentence);
     fputs("MESH is a file in any format that the engine reads, or sample:NAME[,key=value...] (see gd_sample --list).\n"
           "OPTION: --runs N        repetitions: sources, pairs, rounds of questions, loadings\n"
-          "        --pin CPU       stay on that processor\n"
+          "        --pin PROCESSOR stay on that processor\n"
+          "        --cpu NAME      kernels: baseline, avx2, avx512 (auto)\n"
+          "        --landmarks N   pair: build so many first\n"
           "        --repair        cut apart what is no surface\n"
           "        --subdivide N   split every triangle at the middles of its edges, N times\n"
           "        --noise A       then move every vertex along its normal by up to A mean edges\n",

@@ -3,7 +3,21 @@
 #include <sys/resource.h>
 #include <time.h>
 
+#include "gd/workspace.h"
 #include "tests/bench/bench.h"
+
+#define SPARE_BYTES ((size_t)256 << 20) /* as the daemon keeps at the most */
+
+const struct gd_control *bench_control(void)
+{
+    static struct gd_control control;
+    if (!control.workspace) {
+        control.workspace = gd_workspace_create();
+        bench_require(control.workspace ? GD_OK : GD_NO_MEMORY, NULL);
+        gd_spare_memory(SPARE_BYTES);
+    }
+    return &control;
+}
 
 void *bench_allocate(size_t bytes)
 {

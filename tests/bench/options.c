@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gd/cpu.h"
 #include "tests/bench/bench.h"
 
 bool bench_take_word(char ***arguments, const char *word)
@@ -57,6 +58,20 @@ bool bench_arguments_end(char **arguments, bool wants_mesh)
     return true;
 }
 
+static bool take_cpu(char ***arguments)
+{
+    if (!bench_take_word(arguments, "--cpu")) return true;
+    const char *name = **arguments ? **arguments : "";
+    if (gd_cpu_select(name)) {
+        fprintf(stderr,
+                "gd_bench: --cpu wants auto, baseline, avx2 or avx512, and one that this machine has, not \"%s\".\n",
+                name);
+        return false;
+    }
+    ++*arguments;
+    return true;
+}
+
 /* Keeps the process on one processor; false, after a sentence, where there is none of that number. */
 static bool pin(uint32_t cpu)
 {
@@ -78,6 +93,7 @@ bool bench_take_options(char ***arguments, struct bench_options *options)
         if (!bench_take_count(arguments, "--runs", &options->runs) ||
             !take_whole(arguments, "--pin", 0, CPU_SETSIZE - 1, &cpu) ||
             !take_whole(arguments, "--subdivide", 0, 8, &options->levels) ||
+            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) || !take_cpu(arguments) ||
             !take_number(arguments, "--noise", 0, 10, &options->noise))
             return false;
     } while (*arguments != before);

@@ -32,7 +32,7 @@ static bool field(void *surface, uint32_t source, double *out)
     struct engine *engine = surface;
     struct gd_seed seed = {.point = at_vertex(engine, source)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    if (gd_field_build(engine->mesh, &request, NULL, NULL, &engine->field, NULL)) return false;
+    if (gd_field_build(engine->mesh, &request, bench_control(), NULL, &engine->field, NULL)) return false;
     gd_field_vertex_distances(engine->field, out);
     return true;
 }
@@ -42,7 +42,7 @@ static bool pair(void *surface, uint32_t from, uint32_t to, double *out)
     struct engine *engine = surface;
     struct gd_point a = at_vertex(engine, from), b = at_vertex(engine, to);
     struct gd_pair_answer answer = {0};
-    if (gd_pair_solve(engine->mesh, &a, &b, false, NULL, NULL, &answer, NULL)) return false;
+    if (gd_pair_solve(engine->mesh, &a, &b, false, NULL, bench_control(), &answer, NULL)) return false;
     *out = answer.distance;
     gd_pair_answer_free(&answer);
     return true;

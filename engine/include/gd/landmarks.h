@@ -23,12 +23,13 @@ void gd_landmarks_release(const struct gd_landmarks *landmarks); /* NULL is harm
 uint32_t gd_landmarks_count(const struct gd_landmarks *landmarks);
 size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks);
 
-/* As bytes, to be stored: gd_landmarks_memsize is an upper bound. */
-size_t gd_landmarks_write(const struct gd_landmarks *landmarks, void *bytes);
+/* As bytes, to be stored: how many, and writing them. Little-endian machines of any kind read each other's. */
+size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks);
+void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes);
 
 /* GD_UNRECOGNIZED, GD_INVALID_ARGUMENT (of another mesh), GD_TRUNCATED, GD_NON_FINITE, GD_NO_MEMORY. That the numbers are the ones written is for the
  * caller's checksum to say. */
-GD_MUST_USE enum gd_status gd_landmarks_read(const struct gd_mesh *mesh, const void *bytes, size_t size,
-                                             struct gd_landmarks **out);
+GD_MUST_USE enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *bytes, size_t size,
+                                                   struct gd_landmarks **out);
 
 #endif
