@@ -96,7 +96,7 @@ static char *reserve(size_t size)
     char *base = (char *)up((uintptr_t)pages, HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
     munmap(base + size, HUGE_PAGE - (size_t)(base - pages));
-    madvise(base, size, MADV_HUGEPAGE);
+    if (size > HUGE_PAGE) madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE); /* small arrays stay small */
     return base;
 }
 
@@ -147,15 +147,20 @@ enum gd_status gd__region_reserve(struct gd__region *region, size_t bytes)
     return GD_OK;
 }
 
+/* Gives back the pages behind `used`, those of the last huge page too. */
+static void trim(const struct gd__region *region, size_t used)
+{
+    size_t touched = up(region->touched > used ? region->touched : used, HUGE_PAGE);
+    if (touched > used) madvise(region->base + used, touched - used, MADV_DONTNEED);
+}
+
 struct gd__kept gd__region_close(struct gd__region *region)
 {
     size_t used = up(region->used, PAGE);
-    struct gd__kept kept = {.base = region->base, .bytes = region->touched, .reserved = region->reserved};
-    if (kept.bytes > used) { /* what an owner used before is given back */
-        madvise(kept.base + used, kept.bytes - used, MADV_DONTNEED);
-        kept.bytes = used;
-    }
-    if (!used) {
+    struct gd__kept kept = {.base = region->base, .bytes = used, .reserved = region->reserved};
+    if (used) {
+        trim(region, used);
+    } else {
         gd__region_destroy(region);
         kept.base = NULL;
     }

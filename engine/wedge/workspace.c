@@ -6,7 +6,7 @@
 #include "base/large.h"
 
 #define WEDGES_AN_EDGE                                                                                                 \
-    ((size_t)16 << 10) /* bytes of address space, not of memory: more than most fields have, see gd__region_open */
+    ((size_t)2 << 10)  /* bytes of address space, not of memory: more than most fields have, see gd__region_open */
 #define TOUCHED_PART 4 /* of all nodes: beyond it cleaning everything in order is cheaper than by list */
 
 /* --- clean arrays -------------------------------------------------------------------------------------------------------- */
