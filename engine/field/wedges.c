@@ -5,6 +5,9 @@
 
 /* The wedges of an edge as one list: its chunks merged by contest, as the paper's final stage has them. */
 
+/* Ends of wedges are stored to one unit: two that were one may lie so far apart, and nothing is to be seen between them. */
+#define ROUNDED (2 * GD__WEDGE_UNIT)
+
 struct merger {
     struct gd__stack list, chunk, merged;
 };
@@ -29,7 +32,7 @@ static enum gd_status merge_chunk(const struct gd_field *field, const struct gd_
         w.sigma = gd__field_sigma(field, w.source);
         m->chunk.windows[m->chunk.count++] = w;
     }
-    gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, GD_TOL_WIDTH * length, &m->merged);
+    gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, ROUNDED * length, &m->merged);
     struct gd__stack swap = m->list;
     m->list = m->merged;
     m->merged = swap;
@@ -38,7 +41,7 @@ static enum gd_status merge_chunk(const struct gd_field *field, const struct gd_
 
 static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, struct merger *m)
 {
-    enum gd_status status = GD_OK;
+    enum gd_status status = gd__stack_reserve(&m->list, 1);
     for (uint32_t at = field->newest[edge]; at != GD_NONE && !status;) {
         const struct gd__chunk *chunk = gd__field_chunk(field, at);
         status = merge_chunk(field, chunk, field->mesh->side[2 * edge].length, m);

@@ -370,18 +370,14 @@ static inline void append(struct chain *chain, bool coalesce, mask keep, lanes b
     chain->source = ids_last_of(g.source, g.count);
 }
 
-/* A source at or beside the line of the children's edge: gd__window_grazes, lane by lane. */
-static mask drop_grazing(mask keep, lanes x, lanes y, double length)
+/* A source at or beside the line of the children's edge: gd__window_grazes in lanes. */
+static inline mask drop_grazing(mask keep, lanes x, lanes y, double length)
 {
-    uint32_t left = bits(keep), low = bits(both(keep, le(y, all(GD_TOL_GRAZING * length))));
-    double xs[LANES], ys[LANES];
-    store(xs, x);
-    store(ys, y);
-    for (; low; low &= low - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(low);
-        if (gd__window_grazes(xs[i], ys[i], length)) left &= ~(1u << i);
-    }
-    return mask_of(left);
+    const lanes zero = all(0), whole = all(length);
+    mask low = both(keep, le(y, all(GD_TOL_GRAZING * length)));
+    mask beside = either(lt(x, all(-GD_TOL_BESIDE * length)), gt(x, all((1 + GD_TOL_BESIDE) * length)));
+    mask on_line = both(eq(y, zero), either(le(x, zero), ge(x, whole)));
+    return except(keep, both(low, either(lt(y, zero), either(beside, on_line))));
 }
 
 static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length)

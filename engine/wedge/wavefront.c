@@ -123,7 +123,7 @@ static enum gd_status open_front(struct gd__wavefront *front, const struct gd__p
     front->queue = work->queue;
     front->kernel = gd__kernel_in_use();
     front->work->scratch.apart = front->methods.no_coalescing;
-    front->work_limit = work_limit(front->mesh);
+    front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->bound = propagation->radius;
     aim(front, propagation->target);
     return status;

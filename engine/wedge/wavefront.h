@@ -42,6 +42,7 @@ struct gd__propagation {
     const struct gd_point *target; /* NULL: none */
     struct gd__guide *guide;       /* towards one target: only its distance and path are final. NULL: none */
     bool without_wedges;           /* distances and births only: nothing is stored */
+    uint64_t work_limit;           /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
     struct gd__methods methods;
 };
 
