@@ -6,11 +6,11 @@
 
 static void deliver_one(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
 {
-    if (!front->status) front->status = gd__children_reserve(&front->work->emission, &front->work->hand[0].pool, 1);
+    if (!front->status) front->status = gd__children_reserve(&front->work->left, &front->work->pool, 1);
     if (front->status) return;
-    gd__windows_put(&front->work->emission.at, 0, window);
-    front->work->emission.count = 1;
-    gd__wavefront_deliver(front, to, &front->work->emission);
+    gd__windows_put(&front->work->left.at, 0, window);
+    front->work->left.count = 1;
+    gd__wavefront_deliver(front, to, &front->work->left);
 }
 
 /* --- vertices ------------------------------------------------------------------------------------------------------------ */

@@ -2,27 +2,54 @@
 
 #define REMIND_AFTER 8 /* visits of a side: on meshes of any sense few sides have more than three */
 
-/* --- by any thread ------------------------------------------------------------------------------------------------------- */
-
-/* Takes the windows off the side's list; the block is the job's. */
-static void take(const struct gd__wavefront *front, struct gd__job *job)
+/* Stores windows as a chunk of wedges of the side's edge. */
+static enum gd_status store(struct gd__wavefront *front, uint32_t side, const struct gd__windows *windows,
+                            uint32_t count)
 {
-    const struct gd_mesh *mesh = front->mesh;
-    struct gd__list *list = &front->lists[job->node];
-    job->windows = gd__list_windows(list);
-    job->block = list->block;
-    job->count = list->count;
-    job->size_class = list->size_class;
-    list->block = NULL;
-    list->count = 0;
-    if (list->visits < UINT16_MAX) list->visits++;
-    uint32_t origin = mesh->origin[job->node], destination = mesh->origin[job->node ^ 1];
-    job->at.side = job->node;
-    job->at.length = mesh->side[job->node].length;
-    job->at.d0 = front->distance[origin];
-    job->at.d1 = front->distance[destination];
-    job->at.l0 = gd__wavefront_rest(front, origin);
-    job->at.l1 = gd__wavefront_rest(front, destination);
+    size_t most = sizeof(struct gd__chunk) + (size_t)gd__wedges_bound(count) * GD__WEDGE_BYTES;
+    enum gd_status status = gd__region_reserve(&front->work->wedges, most);
+    if (status) return status;
+    struct gd__chunk *chunk = (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
+    double length = front->mesh->side[side].length;
+    *chunk = (struct gd__chunk){.previous = front->newest[side >> 1], .count = count};
+    if (!front->kernel->store(windows, count, length, side & 1, gd__chunk_wedges(chunk)))
+        chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
+    front->newest[side >> 1] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+    front->work->wedges.used += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+    front->wedge_count += chunk->count;
+    return GD_OK;
+}
+
+static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+{
+    if (children->tangled != GD_NONE && !front->status)
+        front->status = gd__untangle(children, &front->work->pool, GD_TOL_WIDTH * to->length, &front->work->scratch);
+    gd__wavefront_deliver(front, to, children);
+}
+
+/* Casts the windows of a side with a face. */
+static void cast(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__windows *windows,
+                 uint32_t count)
+{
+    uint32_t side = at->side;
+    const struct gd_side *s = &front->mesh->side[side];
+    uint32_t vertex = gd__side_apex(front->mesh, side);
+    front->status = gd__children_reserve(&front->work->left, &front->work->pool, count);
+    if (!front->status) front->status = gd__children_reserve(&front->work->right, &front->work->pool, count);
+    if (front->status) return;
+    front->effort.windows_propagated += count;
+    struct gd__apex apex = {.distance = front->distance[vertex]};
+    front->kernel->cast(s, windows, count, !front->methods.no_coalescing, &apex, &front->work->left,
+                        &front->work->right);
+    if (apex.improved) {
+        struct gd__birth birth = {.x = apex.x, .y = apex.y, .side = side, .source = apex.source};
+        gd__wavefront_reach(front, vertex, apex.distance, birth);
+    }
+    double rest = gd__wavefront_rest(front, vertex);
+    hand_on(front, &(struct gd__receiver){s->left, s->left_length, at->d0, apex.distance, at->l0, rest},
+            &front->work->left);
+    hand_on(front, &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest, at->l1},
+            &front->work->right);
 }
 
 /* Drops windows whose source is nearer now than when it cast them: it casts them again. See remind.c. */
@@ -39,106 +66,50 @@ static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__w
     return stale ? kept : count;
 }
 
-/* Leaves of a side's windows what is of use after all that is known of the edge, and comes within the bound. */
-static enum gd_status prune(const struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand)
+/* What is left of a side's windows after all that is known of the edge. */
+static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiver *at, struct gd__windows *windows,
+                            uint32_t *count)
 {
-    double d0 = job->at.d0, d1 = job->at.d1;
+    double d0 = at->d0, d1 = at->d1;
     if (front->guide) { /* what lies beyond the bound is as useless as what lies behind a shorter way */
-        d0 = fmin(d0, front->bound - job->at.l0);
-        d1 = fmin(d1, front->bound - job->at.l1);
+        d0 = fmin(d0, front->bound - at->l0);
+        d1 = fmin(d1, front->bound - at->l1);
     }
-    job->count = drop_stale(front, &job->windows, job->count);
-    bool own = front->lists[job->node].visits > (front->methods.no_filter ? 1 : REMIND_AFTER),
+    *count = drop_stale(front, windows, *count);
+    bool own = front->lists[at->side].visits > (front->methods.no_filter ? 1 : REMIND_AFTER),
          twin = front->methods.one_list;
-    enum gd_status status = own || twin ? gd__remind(front, job, hand, own, twin) : GD_OK;
-    if (!status && !front->methods.no_filter)
-        job->count = front->kernel->filter(&job->windows, job->count, job->at.length, d0, d1);
-    if (!status && front->bound < GD__FAR && !front->guide)
-        job->count = front->kernel->within(&job->windows, job->count, front->bound);
+    enum gd_status status = own || twin ? gd__remind(front, at->side, own, twin, windows, count) : GD_OK;
+    if (!status && !front->methods.no_filter) *count = front->kernel->filter(windows, *count, at->length, d0, d1);
     return status;
 }
 
-static enum gd_status untangle(struct gd__children *children, double length, struct gd__hand *hand)
+/* The list keeps nothing of its windows. */
+static void forget(struct gd__wavefront *front, struct gd__list *list)
 {
-    if (children->tangled == GD_NONE) return GD_OK;
-    return gd__untangle(children, &hand->pool, GD_TOL_WIDTH * length, &hand->scratch);
+    list->block = NULL;
+    list->count = 0;
+    if (list->visits == 0) front->sides_visited++;
+    if (list->visits < UINT16_MAX) list->visits++;
 }
 
-/* Casts the windows of a side with a face. */
-static enum gd_status cast(const struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand)
+void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
 {
-    const struct gd_side *s = &front->mesh->side[job->node];
-    enum gd_status status = gd__children_reserve(&job->left, &hand->pool, job->count);
-    if (!status) status = gd__children_reserve(&job->right, &hand->pool, job->count);
-    if (status) return status;
-    job->is_cast = true;
-    job->vertex = gd__side_apex(front->mesh, job->node);
-    job->apex.distance = front->distance[job->vertex];
-    job->apex.improved = false;
-    front->kernel->cast(s, &job->windows, job->count, !front->methods.no_coalescing, &job->apex, &job->left,
-                        &job->right);
-    status = untangle(&job->left, s->left_length, hand);
-    return status ? status : untangle(&job->right, s->right_length, hand);
-}
-
-void gd__propagate_begin(struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand)
-{
-    take(front, job);
-    job->is_cast = false;
-    job->recalled = 0;
-    job->status = prune(front, job, hand);
-    if (!job->status && job->count && !gd__side_is_boundary(front->mesh, job->node))
-        job->status = cast(front, job, hand);
-}
-
-/* --- by the leader ------------------------------------------------------------------------------------------------------- */
-
-/* Stores windows as a chunk of wedges of the side's edge. */
-static enum gd_status store(struct gd__wavefront *front, uint32_t side, const struct gd__windows *windows,
-                            uint32_t count)
-{
-    struct gd__region *wedges = &front->work->wedges;
-    enum gd_status status = gd__region_reserve(wedges, gd__chunk_most(count));
-    if (status) return status;
-    struct gd__chunk *chunk = (struct gd__chunk *)(wedges->base + wedges->used);
-    double length = front->mesh->side[side].length;
-    *chunk = (struct gd__chunk){.previous = front->newest[side >> 1], .count = count};
-    if (!front->kernel->store(windows, count, length, side & 1, gd__chunk_wedges(chunk)))
-        chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
-    front->newest[side >> 1] = (uint32_t)(wedges->used / GD__CHUNK_UNIT);
-    wedges->used += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
-    front->wedge_count += chunk->count;
-    return GD_OK;
-}
-
-static void count_effort(struct gd__wavefront *front, const struct gd__job *job)
-{
-    if (front->lists[job->node].visits == 1) front->sides_visited++;
+    struct gd__list *list = &front->lists[side];
+    struct gd__windows windows = gd__list_windows(list);
+    void *block = list->block;
+    uint32_t count = list->count, size_class = list->size_class;
+    forget(front, list);
+    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
+    struct gd__receiver at = {side,
+                              front->mesh->side[side].length,
+                              front->distance[origin],
+                              front->distance[destination],
+                              gd__wavefront_rest(front, origin),
+                              gd__wavefront_rest(front, destination)};
     front->effort.sides_propagated++;
-    front->effort.wedges_recalled += job->recalled;
-    if (job->is_cast) front->effort.windows_propagated += job->count;
-}
-
-static void hand_on(struct gd__wavefront *front, struct gd__job *job)
-{
-    const struct gd_side *s = &front->mesh->side[job->node];
-    if (job->apex.improved) {
-        struct gd__birth birth = {.x = job->apex.x, .y = job->apex.y, .side = job->node, .source = job->apex.source};
-        gd__wavefront_reach(front, job->vertex, job->apex.distance, birth);
-    }
-    double rest = gd__wavefront_rest(front, job->vertex), distance = front->distance[job->vertex];
-    gd__wavefront_deliver(
-        front, &(struct gd__receiver){s->left, s->left_length, job->at.d0, distance, job->at.l0, rest}, &job->left);
-    gd__wavefront_deliver(
-        front, &(struct gd__receiver){s->right, s->right_length, distance, job->at.d1, rest, job->at.l1}, &job->right);
-}
-
-void gd__propagate_end(struct gd__wavefront *front, struct gd__job *job)
-{
-    count_effort(front, job);
-    if (!front->status) front->status = job->status;
-    if (!front->status && job->count && !front->without_wedges)
-        front->status = store(front, job->node, &job->windows, job->count);
-    if (!front->status && job->is_cast) hand_on(front, job);
-    gd__pool_release(&front->work->hand[job->hand].pool, job->block, job->size_class);
+    front->status = prune(front, &at, &windows, &count);
+    if (!front->status && count && !front->without_wedges) front->status = store(front, side, &windows, count);
+    if (front->bound < GD__FAR && !front->guide) count = front->kernel->within(&windows, count, front->bound);
+    if (!front->status && count && !gd__side_is_boundary(front->mesh, side)) cast(front, &at, &windows, count);
+    gd__pool_release(&front->work->pool, block, size_class);
 }

@@ -47,13 +47,6 @@ void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t
 /* Takes the first entry; GD_NONE when empty. It is stale unless its node waits in the current bucket. Amortised O(1). */
 uint32_t gd__queue_pop(struct gd__queue *queue);
 
-/* Does another entry wait in the bucket of the one that was popped last? */
-static inline bool gd__queue_has_current(const struct gd__queue *queue)
-{
-    const struct gd__bucket *b = &queue->bucket[queue->current & (GD__QUEUE_BUCKETS - 1)];
-    return b->head < b->count;
-}
-
 /* The entry so many places behind the one that was popped last, if it is in the current or the next bucket, else GD_NONE: a hint. */
 static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)
 {

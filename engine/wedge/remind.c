@@ -82,36 +82,31 @@ static bool is_of_side(const struct gd__chunk *chunk, uint32_t side)
     return (signbit(wedges.y[i]) != 0) == !(side & 1);
 }
 
-/* Moves a stack of windows to the job's own block. */
-static enum gd_status keep_windows(struct gd__job *job, struct gd__hand *hand, const struct gd__stack *list)
+enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, bool twin, struct gd__windows *windows,
+                          uint32_t *count)
 {
-    enum gd_status status = gd__children_reserve(&job->kept, &hand->pool, list->count);
-    if (status) return status;
-    for (uint32_t i = 0; i < list->count; i++) gd__windows_put(&job->kept.at, i, &list->windows[i]);
-    job->windows = job->kept.at;
-    job->count = list->count;
-    return GD_OK;
-}
-
-enum gd_status gd__remind(const struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand, bool own,
-                          bool twin)
-{
-    struct gd__stack *list = &hand->scratch.stack[0], *stored = &hand->scratch.stack[1], *out = &hand->scratch.stack[2];
-    enum gd_status status = gd__stack_reserve(list, job->count + 1);
+    struct gd__stack *list = &front->work->scratch.stack[0], *stored = &front->work->scratch.stack[1],
+                     *out = &front->work->scratch.stack[2];
+    enum gd_status status = gd__stack_reserve(list, *count + 1);
     if (status) return status;
     list->count = 0;
-    gd__stack_load(list, &job->windows, 0, job->count);
-    for (uint32_t at = front->newest[job->node >> 1]; at != GD_NONE && !status;) {
+    gd__stack_load(list, windows, 0, *count);
+    for (uint32_t at = front->newest[side >> 1]; at != GD_NONE && !status;) {
         const struct gd__chunk *chunk =
             (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
-        bool is_own = is_of_side(chunk, job->node);
+        bool is_own = is_of_side(chunk, side);
         at = chunk->previous;
-        job->recalled += chunk->count;
+        front->effort.wedges_recalled += chunk->count;
         if (!(is_own ? own : twin)) continue;
-        status = cut_by_chunk(front, chunk, job->node, is_own, list, stored, out);
+        status = cut_by_chunk(front, chunk, side, is_own, list, stored, out);
         struct gd__stack swap = *list;
         *list = *out;
         *out = swap;
     }
-    return status ? status : keep_windows(job, hand, list);
+    if (!status) status = gd__window_builder_reserve(&front->work->scratch.tail, list->count);
+    if (status) return status;
+    for (uint32_t i = 0; i < list->count; i++) gd__windows_put(&front->work->scratch.tail.at, i, &list->windows[i]);
+    *windows = front->work->scratch.tail.at;
+    *count = list->count;
+    return GD_OK;
 }

@@ -5,8 +5,9 @@
 
 #define BUCKET_WIDTH   0.25 /* of the mean edge: measured, see doc/001 */
 #define KEY_WEIGHT     0.25 /* a side's key between the nearer and the farther end's distance */
-#define CHECK_INTERVAL 8    /* rounds between two looks at the monitor: well under a millisecond */
-#define NAMED_AHEAD    5    /* jobs: see prefetch_named */
+#define CHECK_INTERVAL 256  /* work items between two looks at the monitor: well under a millisecond */
+#define RECORDS_AHEAD  9    /* places in the queue: see prefetch_records */
+#define NAMED_AHEAD    5
 #define WORK_AHEAD     2
 #define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
 #define WORK_FACTOR    64
@@ -32,7 +33,8 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
     double known = front->distance[vertex];
     if (distance >= known * (1 - GD_TOL_BETTER)) return;
     if (known >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
-    if (front->emitted[vertex] < GD__FAR) front->work->since[vertex] = (uint32_t)(front->round_end / GD__CHUNK_UNIT);
+    if (front->emitted[vertex] < GD__FAR)
+        front->work->since[vertex] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
     front->distance[vertex] = distance;
     front->birth[vertex] = birth;
     shrink_bound(front, vertex);
@@ -59,8 +61,8 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     struct gd__list *list = &front->lists[to->side];
     if (!list->touched) gd__workspace_touch(front->work, to->side);
     list->touched = true;
-    front->status = gd__list_insert(list, &front->work->hand[0].pool, children, GD_TOL_WIDTH * to->length,
-                                    &front->work->hand[0].scratch);
+    front->status =
+        gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of(to), &list->bucket);
 }
 
@@ -120,7 +122,7 @@ static enum gd_status open_front(struct gd__wavefront *front, const struct gd__p
     front->birth = work->birth;
     front->queue = work->queue;
     front->kernel = gd__kernel_in_use();
-    for (int i = 0; i < GD__CREW_MOST; i++) work->hand[i].scratch.apart = front->methods.no_coalescing;
+    front->work->scratch.apart = front->methods.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->bound = propagation->radius;
     aim(front, propagation->target);
@@ -128,6 +130,23 @@ static enum gd_status open_front(struct gd__wavefront *front, const struct gd__p
 }
 
 /* --- the loop ------------------------------------------------------------------------------------------------------------ */
+
+static void work_on_side(struct gd__wavefront *front, uint32_t side)
+{
+    struct gd__list *list = &front->lists[side];
+    if (list->bucket != front->queue->current) return;
+    list->bucket = GD_NONE;
+    gd__propagate_side(front, side);
+}
+
+static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    if (front->waiting[vertex] != front->queue->current) return;
+    front->waiting[vertex] = GD_NONE;
+    double distance = front->distance[vertex];
+    if (distance != front->emitted[vertex] && distance + gd__wavefront_rest(front, vertex) <= front->bound)
+        gd__emit_vertex(front, vertex);
+}
 
 /* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
 #define ASKING static inline __attribute__((always_inline)) void
@@ -201,84 +220,20 @@ static void check(struct gd__wavefront *front)
         front->status = GD_RUNAWAY;
 }
 
-/* Is the node still waited for? It is not, from now on. */
-static bool is_due(const struct gd__wavefront *front, uint32_t node)
+static enum gd_status propagate_all(struct gd__wavefront *front)
 {
-    uint32_t sides = 2 * front->mesh->edge_count,
-             *waiting = node < sides ? &front->lists[node].bucket : &front->waiting[node - sides];
-    bool due = *waiting == front->queue->current;
-    if (due) *waiting = GD_NONE;
-    return due;
-}
-
-/* The next nodes that wait in one bucket; 0 when the queue is empty. */
-static uint32_t collect(struct gd__wavefront *front)
-{
-    struct gd__job *job = front->work->job;
-    uint32_t count = 0, node;
-    do {
-        node = gd__queue_pop(front->queue);
-        if (node == GD_NONE) break;
-        prefetch_records(front, gd__queue_peek(front->queue, GD__JOBS_MOST));
-        if (is_due(front, node)) job[count++].node = node;
-    } while (count < GD__JOBS_MOST && (!count || gd__queue_has_current(front->queue)));
-    return count;
-}
-
-static void emit_again(struct gd__wavefront *front, uint32_t vertex)
-{
-    double distance = front->distance[vertex];
-    if (distance != front->emitted[vertex] && distance + gd__wavefront_rest(front, vertex) <= front->bound)
-        gd__emit_vertex(front, vertex);
-}
-
-/* One job of a round, on the thread of that hand. */
-static void begin(void *user, uint32_t index, uint32_t hand)
-{
-    struct gd__wavefront *front = user;
-    struct gd__job *job = &front->work->job[index];
-    prefetch_named(front, index + NAMED_AHEAD < front->job_count ? job[NAMED_AHEAD].node : GD_NONE);
-    prefetch_work(front, index + WORK_AHEAD < front->job_count ? job[WORK_AHEAD].node : GD_NONE);
-    if (job->node >= 2 * front->mesh->edge_count) return;
-    job->hand = hand;
-    gd__propagate_begin(front, job, &front->work->hand[hand]);
-}
-
-/* What was worked on in a round is stored in the same round, whatever falls meanwhile: it counts as older, see remind.c. */
-static void foresee_end(struct gd__wavefront *front)
-{
-    front->round_end = front->work->wedges.used;
-    for (uint32_t i = 0; i < front->job_count; i++)
-        if (front->work->job[i].node < 2 * front->mesh->edge_count)
-            front->round_end += gd__chunk_most(front->work->job[i].count);
-}
-
-static void end(struct gd__wavefront *front, struct gd__job *job)
-{
-    uint32_t sides = 2 * front->mesh->edge_count;
-    if (job->node < sides)
-        gd__propagate_end(front, job);
-    else if (!front->status)
-        emit_again(front, job->node - sides);
-}
-
-static void lead(void *user)
-{
-    struct gd__wavefront *front = user;
-    for (uint64_t round = 0; !front->status && (front->job_count = collect(front)) > 0; round++) {
-        gd__crew_round(&front->crew, front->job_count);
-        foresee_end(front);
-        for (uint32_t i = 0; i < front->job_count; i++) end(front, &front->work->job[i]);
-        if (round % CHECK_INTERVAL == 0) check(front);
+    uint32_t sides = 2 * front->mesh->edge_count, node;
+    for (uint64_t work = 0; !front->status && (node = gd__queue_pop(front->queue)) != GD_NONE; work++) {
+        prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
+        prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
+        prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
+        if (node < sides)
+            work_on_side(front, node);
+        else
+            work_on_vertex(front, node - sides);
+        if (work % CHECK_INTERVAL == 0) check(front);
     }
     if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
-}
-
-/* Searches with a guide are too short, and the guide one thread's. */
-static enum gd_status propagate_all(struct gd__wavefront *front, const struct gd_executor *executor)
-{
-    front->crew = (struct gd__crew){.lead = lead, .work = begin, .user = front};
-    gd__crew_run(&front->crew, front->guide ? NULL : executor);
     return front->status;
 }
 
@@ -297,7 +252,7 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
     enum gd_status status = open_front(&front, propagation);
     if (status) return status;
     gd__emit_seeds(&front);
-    status = propagate_all(&front, executor);
+    status = propagate_all(&front);
     if (!status) status = sink->take(sink->user, &front, executor);
     return status;
 }

@@ -2,17 +2,15 @@
  *
  * DESIGN
  * - One loop, gd__wavefront_run, with five inputs: seeds, bound, sink, monitor (gd_control) and executor. A mode is a choice of these.
- * - The windows that wait on a side are taken all at once: filtered, cast across the face, stored as wedges, forgotten. What arrives on that side
+ * - The windows that wait on a side are taken all at once: filtered, stored as wedges, cast across the face, forgotten. What arrives on that side
  *   later is a list of its own.
- * - Sides are worked on in rounds: some that wait in the same bucket, each by itself, on as many threads as there are; then what they cast is handed on
- *   in their order, by one thread. So the result does not depend on the threads, to the last bit.
  * - Work is label-correcting: a vertex may emit again when its distance falls, a side may be propagated again when new windows reach it. The queue
  *   orders the work by distance; order costs time, never exactness. A side that is propagated again and again is reminded of its stored wedges,
  *   so that only what is strictly better goes on.
  * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists, so distances are upper bounds at any time;
  *   a window is dropped only where an existing path is strictly shorter or no path below the bound can use it.
  * - At the end all windows and vertex distances that are shorter than the bound are final (the paper's Property 5).
- * - All lengths are in the mesh's inside unit. One owner, one thread; the executor is for rounds and the sink. */
+ * - All lengths are in the mesh's inside unit. One owner, one thread; the executor is for the sink. */
 #ifndef GD_WEDGE_WAVEFRONT_H
 #define GD_WEDGE_WAVEFRONT_H
 
@@ -69,9 +67,6 @@ struct gd__wavefront {
     struct gd__birth *birth;
     struct gd__queue *queue;
     uint64_t wedge_count;
-    struct gd__crew crew;
-    uint32_t job_count; /* of the round */
-    size_t round_end;   /* bytes of wedges that there are at the most when the round is over */
 
     bool without_wedges;
     struct gd__guide *guide;
@@ -117,6 +112,14 @@ static inline double gd__wavefront_sigma(const struct gd__wavefront *front, uint
 /* Offers a vertex a distance; takes it if strictly shorter, and queues the vertex if paths may bend there. */
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth);
 
+/* A side as those know it who offer it windows: no need to look it up. */
+struct gd__receiver {
+    uint32_t side;
+    double length;
+    double d0, d1; /* distances of its ends */
+    double l0, l1; /* lower bounds of the ways from them to the target; 0 without a guide */
+};
+
 /* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *windows);
 
@@ -124,15 +127,12 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
-/* propagate.c: takes the windows that wait on a side, prunes them, and casts them across its face. Reads only what no other job changes. */
-void gd__propagate_begin(struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand);
-
-/* propagate.c: stores the windows of a job as wedges and hands on what they cast. In the order of the jobs, by the leader. */
-void gd__propagate_end(struct gd__wavefront *front, struct gd__job *job);
+/* propagate.c: the windows that wait on a side become wedges and go on across its face. */
+void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
 
 /* remind.c: cuts off windows of a side what its stored wedges (`own`: ties too) or those of the edge's other side (`twin`: only where they are
- * strictly better) make useless. The job's windows move to job->kept. GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE enum gd_status gd__remind(const struct gd__wavefront *front, struct gd__job *job, struct gd__hand *hand,
-                                      bool own, bool twin);
+ * strictly better) make useless. *count: how many windows there are, then how many are left; *windows may move to scratch. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, bool twin,
+                                      struct gd__windows *windows, uint32_t *count);
 
 #endif

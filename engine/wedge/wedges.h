@@ -53,12 +53,6 @@ static inline uint32_t gd__wedges_bound(uint32_t count)
     return 2 * count + 1;
 }
 
-/* Bytes that their chunk takes at the most. */
-static inline size_t gd__chunk_most(uint32_t count)
-{
-    return sizeof(struct gd__chunk) + (size_t)gd__wedges_bound(count) * GD__WEDGE_BYTES;
-}
-
 /* Writes sorted windows of a side as wedges with the gaps between them to arrays behind each other at `data`; returns how many. `mirrored`:
  * windows of side 1. The slow but general form of gd__kernel.store. */
 uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,

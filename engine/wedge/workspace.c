@@ -136,15 +136,6 @@ size_t gd__workspace_need(const struct gd_mesh *mesh)
            (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
 }
 
-/* Blocks that jobs held were the pools'. */
-static void restart_hands(struct gd_workspace *w, const struct gd_control *control, size_t need)
-{
-    const struct gd__children none = {0};
-    for (int i = 0; i < GD__CREW_MOST; i++) gd__pool_restart(&w->hand[i].pool, GD__LIST_POOL_ITEM, control, need);
-    for (int i = 0; i < GD__JOBS_MOST; i++) w->job[i].kept = w->job[i].left = w->job[i].right = none;
-    w->emission = none;
-}
-
 enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width,
                                   const struct gd_control *control)
 {
@@ -162,7 +153,8 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
     if (!w->queue) w->queue = gd__queue_create();
     if (!w->queue) return GD_NO_MEMORY;
     gd__queue_set_width(w->queue, bucket_width);
-    restart_hands(w, control, need);
+    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, control, need);
+    w->left = w->right = (struct gd__children){0};
     return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, control, need);
 }
 
@@ -179,10 +171,8 @@ void gd_workspace_trim(struct gd_workspace *w)
     gd__guide_destroy(&w->guide);
     gd__queue_destroy(w->queue);
     gd__region_destroy(&w->wedges);
-    for (int i = 0; i < GD__CREW_MOST; i++) {
-        gd__pool_destroy(&w->hand[i].pool);
-        gd__scratch_destroy(&w->hand[i].scratch);
-    }
+    gd__pool_destroy(&w->pool);
+    gd__scratch_destroy(&w->scratch);
     *w = (struct gd_workspace){0};
 }
 
@@ -200,8 +190,7 @@ void gd_spare_memory(size_t bytes)
 
 size_t gd_workspace_bytes(const struct gd_workspace *w)
 {
-    size_t sides = 2 * (size_t)w->edges, vertices = w->vertices, bytes = sizeof *w + w->wedges.touched;
-    for (int i = 0; i < GD__CREW_MOST; i++) bytes += w->hand[i].pool.bytes;
+    size_t sides = 2 * (size_t)w->edges, vertices = w->vertices, bytes = sizeof *w + w->pool.bytes + w->wedges.touched;
     bytes += sides * sizeof *w->lists + vertices * (sizeof *w->emitted + sizeof *w->since + sizeof *w->waiting) +
              w->touched_capacity * sizeof *w->touched;
     if (w->newest)

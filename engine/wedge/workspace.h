@@ -5,21 +5,9 @@
 #include "base/region.h"
 #include "gd/workspace.h"
 #include "mesh/topology.h"
-#include "wedge/crew.h"
 #include "wedge/guide.h"
-#include "wedge/kernel.h"
 #include "wedge/list.h"
 #include "wedge/queue.h"
-
-#define GD__JOBS_MOST 16 /* sides of a round */
-
-/* A side as those know it who offer it windows: no need to look it up. */
-struct gd__receiver {
-    uint32_t side;
-    double length;
-    double d0, d1; /* distances of its ends */
-    double l0, l1; /* lower bounds of the ways from them to the target; 0 without a guide */
-};
 
 #define GD__FAR 1e300 /* not reached yet; inside lengths stay far below */
 
@@ -31,29 +19,6 @@ struct gd__birth {
     uint32_t side; /* GD_NONE: the leg runs along an edge */
     uint32_t
         source; /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the edge knows how it goes on */
-};
-
-/* What a thread needs to do jobs. */
-struct gd__hand {
-    struct gd__pool pool;
-    struct gd__scratch scratch;
-};
-
-/* One side of a round: its windows, what became of them, and what they cast. */
-struct gd__job {
-    uint32_t node; /* a side, or behind all sides a vertex, which is not worked on but emits in its turn */
-    uint32_t count;
-    void *block; /* of the list that was taken */
-    struct gd__windows windows;
-    struct gd__children kept, left, right; /* kept: the windows where they could not stay in their block */
-    struct gd__receiver at;
-    struct gd__apex apex;
-    uint32_t vertex; /* the apex */
-    uint32_t size_class;
-    uint32_t hand;
-    uint32_t recalled; /* see gd__effort */
-    bool is_cast;
-    enum gd_status status;
 };
 
 struct gd_workspace {
@@ -76,9 +41,9 @@ struct gd_workspace {
 
     struct gd__region wedges; /* chunks; closed where a propagation kept them */
     struct gd__queue *queue;
-    struct gd__hand hand[GD__CREW_MOST]; /* of each thread; hand 0 is the leader's */
-    struct gd__job job[GD__JOBS_MOST];
-    struct gd__children emission; /* of a vertex or a seed */
+    struct gd__pool pool;
+    struct gd__children left, right;
+    struct gd__scratch scratch;
 };
 
 /* Bytes that a propagation over the mesh takes before it begins. */

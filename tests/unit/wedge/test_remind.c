@@ -79,10 +79,10 @@ static void remind(bool own, bool twin)
 {
     struct gd__window_builder builder = {0};
     build_windows(&windows, &builder);
-    struct gd__job job = {.node = 0, .windows = builder.at, .count = windows.count};
-    check_ok(gd__remind(&front, &job, &work->hand[0], own, twin), NULL);
-    load_windows(&job.windows, job.count, &actual);
-    gd__pool_release(&work->hand[0].pool, job.kept.block, job.kept.size_class);
+    struct gd__windows list = builder.at;
+    uint32_t count = windows.count;
+    check_ok(gd__remind(&front, 0, own, twin, &list, &count), NULL);
+    load_windows(&list, count, &actual);
     gd__window_builder_destroy(&builder);
 }
 
