@@ -70,7 +70,8 @@ static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, cons
                                     front->distance[apex],
                                     front->distance[fan->tip],
                                     gd__wavefront_rest(front, apex),
-                                    gd__wavefront_rest(front, fan->tip)};
+                                    gd__wavefront_rest(front, fan->tip),
+                                    front->falls};
     deliver_one(front, &receiver, &window);
 }
 
@@ -163,7 +164,8 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
                               front->distance[origin],
                               front->distance[destination],
                               gd__wavefront_rest(front, origin),
-                              gd__wavefront_rest(front, destination)};
+                              gd__wavefront_rest(front, destination),
+                              front->falls};
     deliver_one(front, &to, &window);
 }
 

@@ -34,6 +34,7 @@ struct gd__list {
     void *block; /* NULL: empty */
     uint32_t count;
     uint32_t bucket; /* of the queue, in which the side waits; GD_NONE: in none */
+    uint32_t falls;  /* struct gd__wavefront's, when the oldest of the windows came */
     uint16_t visits; /* how often it was propagated, saturating */
     uint8_t size_class;
     bool touched; /* is not clean, and is on the workspace's list of such */

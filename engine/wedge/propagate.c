@@ -46,9 +46,9 @@ static void cast(struct gd__wavefront *front, const struct gd__receiver *at, con
         gd__wavefront_reach(front, vertex, apex.distance, birth);
     }
     double rest = gd__wavefront_rest(front, vertex);
-    hand_on(front, &(struct gd__receiver){s->left, s->left_length, at->d0, apex.distance, at->l0, rest},
+    hand_on(front, &(struct gd__receiver){s->left, s->left_length, at->d0, apex.distance, at->l0, rest, at->falls},
             &front->work->left);
-    hand_on(front, &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest, at->l1},
+    hand_on(front, &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest, at->l1, at->falls},
             &front->work->right);
 }
 
@@ -75,7 +75,7 @@ static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiv
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);
     }
-    *count = drop_stale(front, windows, *count);
+    if (front->lists[at->side].falls != front->falls) *count = drop_stale(front, windows, *count);
     bool own = front->lists[at->side].visits > (front->methods.no_filter ? 1 : REMIND_AFTER),
          twin = front->methods.one_list;
     enum gd_status status = own || twin ? gd__remind(front, at->side, own, twin, windows, count) : GD_OK;
@@ -105,7 +105,8 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
                               front->distance[origin],
                               front->distance[destination],
                               gd__wavefront_rest(front, origin),
-                              gd__wavefront_rest(front, destination)};
+                              gd__wavefront_rest(front, destination),
+                              front->falls};
     front->effort.sides_propagated++;
     front->status = prune(front, &at, &windows, &count);
     if (!front->status && count && !front->without_wedges) front->status = store(front, side, &windows, count);

@@ -33,8 +33,10 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
     double known = front->distance[vertex];
     if (distance >= known * (1 - GD_TOL_BETTER)) return;
     if (known >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
-    if (front->emitted[vertex] < GD__FAR)
+    if (front->emitted[vertex] < GD__FAR) {
         front->work->since[vertex] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+        front->falls++;
+    }
     front->distance[vertex] = distance;
     front->birth[vertex] = birth;
     shrink_bound(front, vertex);
@@ -61,6 +63,7 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     struct gd__list *list = &front->lists[to->side];
     if (!list->touched) gd__workspace_touch(front->work, to->side);
     list->touched = true;
+    if (!list->count || to->falls < list->falls) list->falls = to->falls;
     front->status =
         gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of(to), &list->bucket);

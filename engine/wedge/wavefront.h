@@ -67,6 +67,7 @@ struct gd__wavefront {
     struct gd__birth *birth;
     struct gd__queue *queue;
     uint64_t wedge_count;
+    uint32_t falls; /* how often a distance fell with which windows are on their way already */
 
     bool without_wedges;
     struct gd__guide *guide;
@@ -116,8 +117,9 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
 struct gd__receiver {
     uint32_t side;
     double length;
-    double d0, d1; /* distances of its ends */
-    double l0, l1; /* lower bounds of the ways from them to the target; 0 without a guide */
+    double d0, d1;  /* distances of its ends */
+    double l0, l1;  /* lower bounds of the ways from them to the target; 0 without a guide */
+    uint32_t falls; /* struct gd__wavefront's, when the offsets of what is offered were the sources' distances */
 };
 
 /* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
