@@ -78,6 +78,15 @@ static struct gd_point side_point(const struct trace *trace, uint32_t side, doub
     return (struct gd_point){.kind = GD_POINT_EDGE, .element = side >> 1, .weight = {side & 1 ? 1 - weight : weight}};
 }
 
+/* Where a ray leaves its face by a side. No path leaves the surface: a ray that seems to, passes an end of the boundary edge within rounding. */
+static struct gd_point crossing_of(const struct trace *trace, const struct ray *ray)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    if (!gd__side_is_boundary(mesh, ray->side ^ 1)) return side_point(trace, ray->side, ray->t);
+    bool at_origin = ray->t < 0.5 * mesh->side[ray->side].length;
+    return vertex_point(mesh->origin[at_origin ? ray->side : ray->side ^ 1]);
+}
+
 /* --- one leg ------------------------------------------------------------------------------------------------------------- */
 
 static struct stop stop_at(struct gd_point point)
@@ -142,11 +151,10 @@ static struct stop follow(struct trace *trace, struct ray ray)
 {
     const struct gd_mesh *mesh = trace->mesh;
     while (trace->steps_left-- && !trace->status) {
-        struct gd_point crossing = side_point(trace, ray.side, ray.t);
+        struct gd_point crossing = crossing_of(trace, &ray);
         append_in_face(trace, crossing, mesh->side_face[ray.side]);
         if (crossing.kind == GD_POINT_VERTEX) return stop_at(crossing);
         uint32_t entry = ray.side ^ 1;
-        if (gd__side_is_boundary(mesh, entry)) break;
         double length = mesh->side[entry].length, t = length - ray.t, x = length - ray.x;
         if (arrived(trace, entry, x, ray.y, ray.source)) return arrive(trace, mesh->side_face[entry], ray.source);
         ray = leave_face(mesh, entry, t, x, ray.y, ray.source);
