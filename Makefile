@@ -135,8 +135,8 @@ $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
 
 # One source, compiled for several machines; the daemon chooses when it starts (engine/wedge/cpu.c).
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
-$(BUILD)/obj/engine/wedge/kernel_avx2.c.o: CFLAGS += -mavx2
-$(BUILD)/obj/engine/wedge/kernel_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
+$(BUILD)/obj/engine/%_avx2.c.o: CFLAGS += -mavx2
+$(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
 endif
 
 $(BUILD)/obj/%.c.o: %.c

@@ -207,9 +207,10 @@ const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uin
 
 enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out)
 {
-    struct gd__leg leg = gd__field_leg(field, point);
-    if (leg.distance > field->reach) return GD_BEYOND_REACH;
-    *out = leg.kind == GD__LEG_NONE ? INFINITY : leg.distance * field->mesh->unit;
+    struct gd__way way;
+    gd__field_way(field, point, &way);
+    if (way.distance > field->reach) return GD_BEYOND_REACH;
+    *out = way.kind == GD__LEG_NONE ? INFINITY : way.distance * field->mesh->unit;
     return GD_OK;
 }
 

@@ -84,7 +84,20 @@ struct gd__leg {
         source; /* the wedge's. A leg clamped to the wedge's end bends at `parameter` and goes on to the same source */
 };
 
-/* The best leg to a point over all faces that contain it. */
+/* The best way to a point in as few words as tell it from all others. `from` names a vertex, a seed or, for GD__LEG_WEDGE, a wedge of the face's
+ * edges by its place in the search (leg.c). */
+struct gd__way {
+    double distance;
+    enum gd__leg_kind kind;
+    uint32_t face; /* in which it ends */
+    uint32_t from;
+};
+
+/* The best way to a point over all faces that contain it; GD__FAR and GD__LEG_NONE if there is none. `out` is written field by field and must not be
+ * copied at once: that would wait for the stores. */
+void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out);
+
+/* The leg by which the best way ends. */
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
 /* A point in the frame of side k of a face, from its barycentric coordinates by corner. */

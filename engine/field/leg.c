@@ -1,7 +1,10 @@
-#include "field/layout.h"
+#include "field/sight.h"
+
+enum { CACHE_LINE = 64 };
 
 /* The distance at a point of a face: the least over the face's corners, the seeds in the face, and the wedges of its edges whose source lies
- * across the edge (a source on the face's own side reaches the point through another edge or through a corner). */
+ * across the edge (a source on the face's own side reaches the point through another edge or through a corner). The search finds which of
+ * them it is; the leg is made of that one alone. */
 
 void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3])
 {
@@ -24,30 +27,115 @@ void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point,
     }
 }
 
+static inline struct gd__local local_of_side(const struct gd_side *s, double destination, double apex)
+{
+    return (struct gd__local){destination * s->length + apex * s->left_length * s->left_x,
+                              apex * s->left_length * s->left_y};
+}
+
 struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3])
 {
-    const struct gd_side *s = &mesh->side[side];
-    return (struct gd__local){weight[1] * s->length + weight[2] * s->left_length * s->left_x,
-                              weight[2] * s->left_length * s->left_y};
+    return local_of_side(&mesh->side[side], weight[1], weight[2]);
 }
 
-/* Weights rotated so that they belong to origin, destination and apex of side k of the face. */
-static struct gd__local local_of_side(const struct gd_mesh *mesh, uint32_t face, int k, const double weight[3])
+/* --- sights -------------------------------------------------------------------------------------------------------------- */
+
+/* A face from a point of it. */
+struct view {
+    const uint32_t *side;
+    struct gd__local at[3]; /* the point in the frame of each side */
+    uint32_t newest[3];     /* chunk of each side's edge */
+};
+
+enum { SIGHTS = 8 }; /* that are looked at together: mostly there are one or two */
+
+/* Where taking sights has got to: a side of the view, and a chunk of its edge. */
+struct cursor {
+    int k; /* 3: there are no more */
+    uint32_t chunk;
+};
+
+static inline void look_around(const struct gd_field *field, uint32_t face, const double weight[3], struct view *view)
 {
-    double rotated[3] = {weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]};
-    return gd__face_local(mesh, mesh->face_side[face][k], rotated);
+    const struct gd_mesh *mesh = field->mesh;
+    view->side = mesh->face_side[face];
+    for (int k = 0; k < 3; k++) {
+        view->newest[k] = field->newest[view->side[k] >> 1];
+        if (view->newest[k] != GD_NONE) __builtin_prefetch(gd__field_chunk(field, view->newest[k]));
+        view->at[k] = local_of_side(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
+    }
 }
 
-static void try_corner(const struct gd_field *field, uint32_t face, int k, struct gd__local at, struct gd__leg *best)
+/* Asks for all wedges of the newest chunks, now that their sizes are known. GCC takes a function that does nothing but prefetch for one without
+ * effects and leaves its calls out, unless it is inlined first. */
+static inline __attribute__((always_inline)) void prefetch_wedges(const struct gd_field *field, const struct view *view)
 {
-    uint32_t vertex = field->mesh->origin[field->mesh->face_side[face][k]];
-    double distance = field->distance[vertex] + sqrt(at.x * at.x + at.y * at.y);
-    if (distance < best->distance)
-        *best = (struct gd__leg){
-            .distance = distance, .kind = GD__LEG_VERTEX, .face = face, .from = vertex, .source = GD_NONE};
+    for (int k = 0; k < 3; k++) {
+        if (view->newest[k] == GD_NONE) continue;
+        const struct gd__chunk *chunk = gd__field_chunk(field, view->newest[k]);
+        const char *first = (const char *)chunk;
+        size_t size = sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+        for (size_t line = CACHE_LINE; line < size; line += CACHE_LINE) __builtin_prefetch(first + line);
+    }
 }
 
-static void try_seeds(const struct gd_field *field, uint32_t face, struct gd__local at, struct gd__leg *best)
+/* All wedges of a chunk have their source on one side of the edge; the first may be a gap. */
+static inline bool comes_from_across(const struct gd__chunk *chunk, uint32_t side)
+{
+    if (!chunk->count) return false;
+    struct gd__wedges wedges = gd__chunk_wedges(chunk);
+    uint32_t first = gd__wedge_source(wedges.start[0]) == GD_NONE;
+    return first < chunk->count && (signbit(wedges.y[first]) != 0) != (side & 1);
+}
+
+/* The next sights of a view, at most SIGHTS. Each chunk is written as one; one that is none is then written over. */
+static inline uint32_t take_sights(const struct gd_field *field, const struct view *view, struct cursor *cursor,
+                                   struct gd__sight *sights)
+{
+    uint32_t count = 0;
+    while (cursor->k < 3 && count < SIGHTS) {
+        int k = cursor->k;
+        if (cursor->chunk == GD_NONE) {
+            cursor->chunk = ++cursor->k < 3 ? view->newest[cursor->k] : GD_NONE;
+            continue;
+        }
+        const struct gd__chunk *chunk = gd__field_chunk(field, cursor->chunk);
+        struct gd__sight *sight = &sights[count];
+        sight->chunk = chunk;
+        sight->length = field->mesh->side[view->side[k]].length;
+        sight->x = view->at[k].x;
+        sight->y = view->at[k].y;
+        sight->side = view->side[k];
+        count += comes_from_across(chunk, view->side[k]);
+        cursor->chunk = chunk->previous;
+    }
+    return count;
+}
+
+/* --- the best way -------------------------------------------------------------------------------------------------------- */
+
+/* Keeps the shorter way; without a branch, as none could be foreseen. */
+static inline void offer(struct gd__way *best, double distance, enum gd__leg_kind kind, uint32_t from)
+{
+    bool better = distance < best->distance;
+    best->kind = better ? kind : best->kind;
+    best->from = better ? from : best->from;
+    best->distance = better ? distance : best->distance;
+}
+
+static inline void try_corner(const struct gd_field *field, uint32_t side, struct gd__local at, struct gd__way *best)
+{
+    uint32_t vertex = field->mesh->origin[side];
+    offer(best, field->distance[vertex] + sqrt(at.x * at.x + at.y * at.y), GD__LEG_VERTEX, vertex);
+}
+
+/* Of a vertex and a seed that are as near, the seed: its leg is the path's last. */
+static inline bool seed_takes_tie(const struct gd__way *best, double distance)
+{
+    return distance == best->distance && best->kind == GD__LEG_VERTEX;
+}
+
+static void try_seeds(const struct gd_field *field, uint32_t face, struct gd__local at, struct gd__way *best)
 {
     const struct gd_mesh *mesh = field->mesh;
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
@@ -57,95 +145,116 @@ static void try_seeds(const struct gd_field *field, uint32_t face, struct gd__lo
         struct gd__local seed = gd__face_local(mesh, mesh->face_side[face][0], weight);
         double dx = at.x - seed.x, dy = at.y - seed.y,
                distance = field->seeds[f->seed].offset + sqrt(dx * dx + dy * dy);
-        if (distance < best->distance || (distance == best->distance && best->kind == GD__LEG_VERTEX))
-            *best = (struct gd__leg){.distance = distance, .kind = GD__LEG_SEED, .face = face, .from = f->seed};
+        if (distance < best->distance || seed_takes_tie(best, distance)) {
+            best->distance = distance;
+            best->kind = GD__LEG_SEED;
+            best->from = f->seed;
+        }
     }
 }
 
-/* The leg through one wedge [b0, b1] with its source at (x, -y) in the frame of the side. */
-static void try_wedge(double sigma, double x, double y, double b0, double b1, struct gd__local at, struct gd__leg *best,
-                      uint32_t face, uint32_t side, uint32_t source)
+static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *out)
 {
-    double dx = at.x - x, dy = at.y + y, straight2 = dx * dx + dy * dy, room = best->distance - sigma;
-    if (room <= 0 || straight2 >= room * room) return;
-    double t = dy > 0 ? x + dx * (y / dy) : at.x, distance;
-    if (t < b0 || t > b1) { /* round the wedge's nearer end */
-        t = t < b0 ? b0 : b1;
-        double ex = t - x, fx = at.x - t;
-        distance = sigma + sqrt(ex * ex + y * y) + sqrt(fx * fx + at.y * at.y);
-        if (distance >= best->distance) return;
-    } else {
-        distance = sigma + sqrt(straight2);
+    struct view view;
+    struct gd__way best = {.distance = GD__FAR, .kind = GD__LEG_NONE};
+    look_around(field, face, weight, &view);
+    for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
+    prefetch_wedges(field, &view);
+    if (field->face_seed_count) try_seeds(field, face, view.at[0], &best);
+    gd__sight_kernel *kernel = gd__sight_kernel_in_use();
+    struct gd__sight sights[SIGHTS];
+    struct cursor cursor = {0, view.newest[0]};
+    for (uint32_t passed = 0; cursor.k < 3;) {
+        uint32_t count = take_sights(field, &view, &cursor, sights);
+        struct gd__seen seen = kernel(field, sights, count, best.distance);
+        offer(&best, seen.distance, GD__LEG_WEDGE, passed + seen.place);
+        for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += sights[s].chunk->count;
     }
-    *best = (struct gd__leg){.distance = distance,
-                             .kind = GD__LEG_WEDGE,
-                             .face = face,
-                             .side = side,
-                             .parameter = t,
-                             .x = x,
-                             .y = y,
-                             .source = source};
+    out->distance = best.distance;
+    out->kind = best.kind;
+    out->from = best.from;
+    out->face = face;
 }
 
-/* The wedges of a chunk of a side's edge whose source lies across the side. */
-static void try_chunk(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t face, uint32_t side,
-                      struct gd__local at, struct gd__leg *best)
+/* An edge's point lies in the faces of both sides. */
+static void best_at_edge(const struct gd_field *field, const struct gd_point *point, struct gd__way *best)
 {
-    double length = field->mesh->side[side].length, unit = length * GD__WEDGE_UNIT;
-    struct gd__wedges wedges = gd__chunk_wedges(chunk);
-    uint32_t across = side & 1 ? GD__WINDOW_FAR_SIDE : 0;
-    for (uint32_t i = 0; i < chunk->count; i++) {
-        struct gd__window w = gd__wedge_window(wedges, chunk->count, i, length);
-        if (w.source == GD_NONE || w.tags != across) continue;
-        if (across) w = gd__window_mirrored(&w, length);
-        /* ends are stored to one unit: a crossing of the edge within two of them counts as inside, where a neighbour is as short */
-        w.b0 = fmax(w.b0 - 2 * unit, 0);
-        w.b1 = fmin(w.b1 + 2 * unit, length);
-        try_wedge(gd__field_sigma(field, w.source), w.x, w.y, w.b0, w.b1, at, best, face, side, w.source);
+    const struct gd_mesh *mesh = field->mesh;
+    best->distance = GD__FAR;
+    best->kind = GD__LEG_NONE;
+    for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++) {
+        uint32_t face = mesh->side_face[side];
+        double weight[3];
+        struct gd__way way;
+        if (face == GD_NONE) continue;
+        gd__point_weights(mesh, point, face, weight);
+        best_in_face(field, face, weight, &way);
+        if (way.distance < best->distance || (way.kind == GD__LEG_SEED && seed_takes_tie(best, way.distance)))
+            *best = way;
     }
 }
 
-static void try_side(const struct gd_field *field, uint32_t face, uint32_t side, struct gd__local at,
-                     struct gd__leg *best)
+void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out)
 {
-    uint32_t next = field->newest[side >> 1];
-    while (next != GD_NONE) {
-        const struct gd__chunk *chunk = gd__field_chunk(field, next);
-        try_chunk(field, chunk, face, side, at, best);
-        next = chunk->previous;
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        out->distance = field->distance[point->element];
+        out->kind = out->distance < GD__FAR ? GD__LEG_VERTEX : GD__LEG_NONE;
+        out->from = point->element;
+        out->face = 0;
+        break;
+    case GD_POINT_EDGE:
+        best_at_edge(field, point, out);
+        break;
+    case GD_POINT_FACE:
+        best_in_face(field, point->element, point->weight, out);
+        break;
     }
 }
 
-static void try_face(const struct gd_field *field, const struct gd_point *point, uint32_t face, struct gd__leg *best)
+/* --- its leg ------------------------------------------------------------------------------------------------------------- */
+
+/* Where the way through a wedge crosses its side, and the source in the side's frame. */
+static void complete_wedge(const struct gd__sight *sight, uint32_t wedge, struct gd__leg *leg)
+{
+    struct gd__wedges wedges = gd__chunk_wedges(sight->chunk);
+    double x = wedges.x[wedge];
+    leg->side = sight->side;
+    leg->source = gd__wedge_source(wedges.start[wedge]);
+    leg->x = sight->side & 1 ? sight->length - x : x;
+    leg->y = fabs(wedges.y[wedge]);
+    leg->parameter = gd__sight_crossing(sight, wedge, leg->x, leg->y);
+}
+
+/* Finds the wedge at its place again. */
+static void find_wedge(const struct gd_field *field, const struct gd_point *point, uint32_t place, struct gd__leg *leg)
 {
     double weight[3];
-    gd__point_weights(field->mesh, point, face, weight);
-    struct gd__local at[3];
-    for (int k = 0; k < 3; k++) {
-        at[k] = local_of_side(field->mesh, face, k, weight);
-        try_corner(field, face, k, at[k], best);
+    gd__point_weights(field->mesh, point, leg->face, weight);
+    struct view view;
+    look_around(field, leg->face, weight, &view);
+    struct gd__sight sights[SIGHTS];
+    struct cursor cursor = {0, view.newest[0]};
+    while (cursor.k < 3) {
+        uint32_t count = take_sights(field, &view, &cursor, sights);
+        for (uint32_t s = 0; s < count; s++) {
+            if (place < sights[s].chunk->count) {
+                complete_wedge(&sights[s], place, leg);
+                return;
+            }
+            place -= sights[s].chunk->count;
+        }
     }
-    try_seeds(field, face, at[0], best);
-    for (int k = 0; k < 3; k++) try_side(field, face, field->mesh->face_side[face][k], at[k], best);
 }
 
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point)
 {
-    const struct gd_mesh *mesh = field->mesh;
-    struct gd__leg best = {.distance = GD__FAR, .kind = GD__LEG_NONE, .source = GD_NONE};
-    switch (point->kind) {
-    case GD_POINT_VERTEX:
-        best.distance = field->distance[point->element];
-        best.from = point->element;
-        if (best.distance < GD__FAR) best.kind = GD__LEG_VERTEX;
-        break;
-    case GD_POINT_EDGE:
-        for (uint32_t side = 2 * point->element; side < 2 * point->element + 2; side++)
-            if (!gd__side_is_boundary(mesh, side)) try_face(field, point, mesh->side_face[side], &best);
-        break;
-    case GD_POINT_FACE:
-        try_face(field, point, point->element, &best);
-        break;
-    }
-    return best;
+    struct gd__way way;
+    gd__field_way(field, point, &way);
+    struct gd__leg leg = {.distance = way.distance, .kind = way.kind, .face = way.face, .source = GD_NONE};
+    if (way.kind == GD__LEG_WEDGE)
+        find_wedge(field, point, way.from, &leg);
+    else
+        leg.from = way.from;
+    return leg;
 }

@@ -6,6 +6,8 @@
 /* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by the births, until a seed is reached. A leg
  * is a straight line through unfolded faces, so one frame at a time suffices: where it crosses the edge, and where the source's image lies. */
 
+enum { CAPACITY = 128 }; /* points that a path has room for to begin with */
+
 struct trace {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
@@ -31,20 +33,27 @@ struct ray {
 
 /* --- the polyline -------------------------------------------------------------------------------------------------------- */
 
+/* Room for one point more; false, and the status says so, without memory. */
+static bool make_room(struct trace *trace)
+{
+    struct gd_path *path = &trace->path;
+    if (path->count < trace->capacity) return true;
+    uint32_t capacity = trace->capacity ? 2 * trace->capacity : CAPACITY;
+    struct gd_point *points = realloc(path->points, sizeof *points * (size_t)capacity);
+    if (!points) {
+        trace->status = GD_NO_MEMORY;
+        return false;
+    }
+    path->points = points;
+    trace->capacity = capacity;
+    return true;
+}
+
 static void append(struct trace *trace, struct gd_point point, double length)
 {
     struct gd_path *path = &trace->path;
     if (trace->status || (path->count && gd_point_equal(&path->points[path->count - 1], &point))) return;
-    if (path->count == trace->capacity) {
-        uint32_t capacity = trace->capacity ? 2 * trace->capacity : 16;
-        struct gd_point *points = realloc(path->points, sizeof *points * (size_t)capacity);
-        if (!points) {
-            trace->status = GD_NO_MEMORY;
-            return;
-        }
-        path->points = points;
-        trace->capacity = capacity;
-    }
+    if (!make_room(trace)) return;
     path->points[path->count++] = point;
     path->length += length;
 }
@@ -123,41 +132,90 @@ static struct stop arrive(struct trace *trace, uint32_t face, uint32_t source)
     return (struct stop){.kind = STOP_SEED};
 }
 
-/* The ray enters the face of `entry` at (t, 0), its source at (x, y) above: the side by which it leaves, in that side's frame. */
-static struct ray leave_face(const struct gd_mesh *mesh, uint32_t entry, double t, double x, double y, uint32_t source)
+/* How a ray left a face: by an edge of that length, on a segment of that length, which is measured in the face's frame. */
+struct passage {
+    double edge, segment;
+};
+
+/* The same ray in the face across its side: there its source is above, at (x, y). */
+static inline void enter_face(const struct gd_side *s, struct ray *ray)
 {
-    const struct gd_side *s = &mesh->side[entry];
-    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, dx = x - t, dy = y;
-    if ((px - t) * dy - py * dx > 0) {
-        double ux = s->left_x, uy = s->left_y, rx = x - px, ry = y - py;
-        double along = dy * t / (dy * ux - dx * uy); /* from the origin towards the apex */
-        return (struct ray){.side = s->left ^ 1,
-                            .source = source,
-                            .t = s->left_length - along,
-                            .x = -(rx * ux + ry * uy),
-                            .y = fmax(ux * ry - uy * rx, 0)};
-    }
-    double vx = s->right_x, vy = s->right_y, rx = x - s->length, ry = y;
-    double along = -(dx * py - dy * (px - t)) / (dx * vy - dy * vx); /* from the apex towards the destination */
-    return (struct ray){.side = s->right ^ 1,
-                        .source = source,
-                        .t = s->right_length - along,
-                        .x = -(rx * vx + ry * vy),
-                        .y = fmax(vx * ry - vy * rx, 0)};
+    ray->side ^= 1;
+    ray->t = s->length - ray->t;
+    ray->x = s->length - ray->x;
 }
 
-/* Follows a ray from face to face until it reaches its source or passes through a vertex. */
+/* A ray that has entered the face of its side becomes one of the side by which it leaves: of the edge to the left, from the origin to the apex,
+ * or of the one to the right, from the apex to the destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
+static inline void cross_face(const struct gd_side *s, struct ray *ray, struct passage *passage)
+{
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */
+    double t = ray->t, dx = ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx, sy;
+    if ((px - t) * dy - py * dx > 0) {
+        ux = s->left_x, uy = s->left_y, rx = ray->x - px, ry = ray->y - py;
+        along = dy * t / (dy * ux - dx * uy);
+        sx = along * ux - t, sy = along * uy;
+        ray->side = s->left ^ 1;
+        passage->edge = s->left_length;
+    } else {
+        ux = s->right_x, uy = s->right_y, rx = ray->x - s->length, ry = ray->y;
+        along = (dx * py - dy * (px - t)) / (dy * ux - dx * uy);
+        sx = px + along * ux - t, sy = py + along * uy;
+        ray->side = s->right ^ 1;
+        passage->edge = s->right_length;
+    }
+    ray->t = passage->edge - along;
+    ray->x = -(rx * ux + ry * uy);
+    ray->y = fmax(ux * ry - uy * rx, 0);
+    passage->segment = sqrt(sx * sx + sy * sy);
+}
+
+/* Appends where a ray crosses from face to face; false where that is at the edge's end, up to snapping, or at the border, or without memory. */
+static inline bool append_crossing(struct trace *trace, const struct ray *ray, const struct passage *passage)
+{
+    if (ray->t <= trace->snap * passage->edge || ray->t >= (1 - trace->snap) * passage->edge) return false;
+    if (gd__side_is_boundary(trace->mesh, ray->side ^ 1) || !make_room(trace)) return false;
+    double weight = ray->t / passage->edge;
+    struct gd_point *point = &trace->path.points[trace->path.count++];
+    point->kind = GD_POINT_EDGE;
+    point->element = ray->side >> 1;
+    point->weight[0] = ray->side & 1 ? 1 - weight : weight;
+    point->weight[1] = point->weight[2] = 0;
+    trace->path.length += passage->segment;
+    return true;
+}
+
+/* Appends where a ray comes to, be it a vertex. */
+static struct gd_point append_end(struct trace *trace, const struct ray *ray)
+{
+    struct gd_point point = crossing_of(trace, ray);
+    append_in_face(trace, point, trace->mesh->side_face[ray->side]);
+    return point;
+}
+
+/* Is the source's image low enough to be in the face, so that it is worth a closer look? */
+static inline bool may_have_arrived(const struct gd_side *s, double y)
+{
+    return y <= s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
+}
+
+/* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each face it reads one record, which it asks for as
+ * soon as the one before is there. */
 static struct stop follow(struct trace *trace, struct ray ray)
 {
     const struct gd_mesh *mesh = trace->mesh;
+    struct gd_point first = append_end(trace, &ray);
+    if (first.kind == GD_POINT_VERTEX) return stop_at(first);
     while (trace->steps_left-- && !trace->status) {
-        struct gd_point crossing = crossing_of(trace, &ray);
-        append_in_face(trace, crossing, mesh->side_face[ray.side]);
-        if (crossing.kind == GD_POINT_VERTEX) return stop_at(crossing);
-        uint32_t entry = ray.side ^ 1;
-        double length = mesh->side[entry].length, t = length - ray.t, x = length - ray.x;
-        if (arrived(trace, entry, x, ray.y, ray.source)) return arrive(trace, mesh->side_face[entry], ray.source);
-        ray = leave_face(mesh, entry, t, x, ray.y, ray.source);
+        const struct gd_side *s = &mesh->side[ray.side ^ 1];
+        struct passage passage;
+        __builtin_prefetch(&mesh->side[s->left]);
+        __builtin_prefetch(&mesh->side[s->right]);
+        enter_face(s, &ray);
+        if (may_have_arrived(s, ray.y) && arrived(trace, ray.side, ray.x, ray.y, ray.source))
+            return arrive(trace, mesh->side_face[ray.side], ray.source);
+        cross_face(s, &ray, &passage);
+        if (!append_crossing(trace, &ray, &passage)) return stop_at(append_end(trace, &ray));
     }
     if (!trace->status) trace->status = GD_INTERNAL;
     return (struct stop){.kind = STOP_SEED};

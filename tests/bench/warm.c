@@ -1,4 +1,4 @@
-/* gd_bench warm: questions to a field that is kept: distances in random order and in order of faces, and paths. */
+/* gd_bench warm: questions to a field that is kept: distances in random order and in order of faces, one by one and as a batch, and paths. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,7 +9,7 @@ enum { POINTS = 100000, PATHS = 5000 };
 
 /* Questions a second of each run. */
 struct rates {
-    double *random_order, *face_order, *paths;
+    double *random_order, *face_order, *random_batch, *face_batch, *paths;
     double crossings, traced; /* of all paths together: points but for their two ends; how many there were */
 };
 
@@ -37,6 +37,13 @@ static double distance_rate(const struct gd_field *field, const struct gd_point 
     return 1e3 * POINTS / ms;
 }
 
+static double batch_rate(const struct gd_field *field, const struct gd_point *points, double *distances)
+{
+    uint64_t start = gd_now_ns();
+    bench_require(gd_field_distances(field, points, POINTS, NULL, distances), NULL);
+    return 1e3 * POINTS / bench_ms_since(start);
+}
+
 /* Where the source can't be reached there is no path to count. */
 static double path_rate(const struct gd_field *field, const struct gd_point *points, struct rates *rates)
 {
@@ -61,32 +68,42 @@ static int by_element(const void *a, const void *b)
     return (p->element > q->element) - (p->element < q->element);
 }
 
-static void run(const struct gd_mesh *mesh, uint32_t at, struct rng *rng, struct gd_point *points, struct rates *rates)
+static void run(const struct gd_mesh *mesh, uint32_t at, struct rng *rng, struct gd_point *points, double *distances,
+                struct rates *rates)
 {
     struct gd_field *field = build_field(mesh, rng);
     for (uint32_t i = 0; i < POINTS; i++) points[i] = bench_random_point(mesh, GD_POINT_FACE, rng);
     rates->random_order[at] = distance_rate(field, points);
+    rates->random_batch[at] = batch_rate(field, points, distances);
     rates->paths[at] = path_rate(field, points, rates);
     qsort(points, POINTS, sizeof *points, by_element);
     rates->face_order[at] = distance_rate(field, points);
+    rates->face_batch[at] = batch_rate(field, points, distances);
     gd_field_release(field);
 }
 
 static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
 {
     uint32_t runs = options->runs;
-    double *values = bench_allocate(3 * sizeof *values * runs);
-    struct rates rates = {.random_order = values, .face_order = values + runs, .paths = values + 2 * runs};
+    double *values = bench_allocate(5 * sizeof *values * runs), *distances = bench_allocate(sizeof *distances * POINTS);
+    struct rates rates = {.random_order = values,
+                          .face_order = values + runs,
+                          .random_batch = values + 2 * runs,
+                          .face_batch = values + 3 * runs,
+                          .paths = values + 4 * runs};
     struct gd_point *points = bench_allocate(sizeof *points * POINTS);
     struct rng rng = {6};
-    for (uint32_t i = 0; i < runs; i++) run(mesh, i, &rng, points, &rates);
+    for (uint32_t i = 0; i < runs; i++) run(mesh, i, &rng, points, distances, &rates);
     bench_print_mesh(name, mesh);
     printf("\"runs\":%u,\"points\":%d,\"distances_per_s\":%.0f,\"distances_per_s_face_order\":%.0f,", runs, POINTS,
            bench_median(rates.random_order, runs), bench_median(rates.face_order, runs));
+    printf("\"batch_distances_per_s\":%.0f,\"batch_distances_per_s_face_order\":%.0f,",
+           bench_median(rates.random_batch, runs), bench_median(rates.face_batch, runs));
     printf("\"paths_per_s\":%.0f,\"crossings_per_path\":%.1f,", bench_median(rates.paths, runs),
            rates.crossings / fmax(1, rates.traced));
     bench_print_end();
     free(points);
+    free(distances);
     free(values);
 }
 

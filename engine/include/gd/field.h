@@ -61,6 +61,13 @@ const struct gd_field_statistics *gd_field_statistics(const struct gd_field *fie
 /* Distance at a point. INFINITY: no path (another component). GD_BEYOND_REACH: a partial field does not know. O(wedges of a face's edges). */
 GD_MUST_USE enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out);
 
+/* Distances at `count` points, in any order, to `out`: to the last bit those of gd_field_distance; INFINITY where there is no path, NaN where a
+ * partial field does not know. `control` may be NULL; `out` is untouched on failure. Faster than one by one where the points are many or in
+ * no order: they are evaluated in the order in which the mesh keeps its faces, and what comes next is fetched ahead.
+ * Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Holds up to 16 bytes a point while it runs. */
+GD_MUST_USE enum gd_status gd_field_distances(const struct gd_field *field, const struct gd_point *points,
+                                              uint32_t count, const struct gd_control *control, double *out);
+
 /* Distance at every vertex index of the input (`out`: index_count doubles): INFINITY where there is no path or beyond the reach, NaN for
  * unreferenced vertices. */
 void gd_field_vertex_distances(const struct gd_field *field, double *out);
