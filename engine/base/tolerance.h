@@ -71,8 +71,9 @@
  * computed, printed or stored, 8 ulps. */
 #define GD_TOL_LOCATE 1.8e-15
 
-/* Bounds that prune a search are rounded to the safe side by this part, and by this part of the coordinates: far more than their own rounding. */
-#define GD_TOL_BOUND 1e-12
+/* Bounds that prune a search are rounded to the safe side by this part, and by this part of the coordinates. Not for their own rounding: across faces as
+ * flat as GD_TOL_FLAT a distance along the way may be off by some 1e-10, and what is pruned there has no other way on. */
+#define GD_TOL_BOUND 1e-8
 
 /* Rounding of a distance that is kept as a float. */
 #define GD_TOL_FLOAT 6e-8
