@@ -134,7 +134,7 @@ $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
 	$(AR) rcs $@ $(filter %.o,$^)
 
 # One source, compiled for several machines; the daemon chooses when it starts (engine/wedge/cpu.c).
-ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine)),)
+ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 $(BUILD)/obj/engine/%_avx2.c.o: CFLAGS += -mavx2
 $(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
 endif

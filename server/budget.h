@@ -5,7 +5,7 @@
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
  * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit asks one reclaimer after the
- * other to let go of enough: for idle workspaces, for meshes that are stored and not in use and have no fields, for
+ * other to let go of enough: for idle workspaces, for landmarks, for meshes that are stored and not in use and have no fields, for
  * fields, for any mesh that is stored and not in use. Reclaimers take locks of their own: so no lock is held around a take; a give never calls
  * out and is allowed anywhere. All functions are thread-safe. */
 #ifndef SERVER_BUDGET_H
@@ -22,12 +22,14 @@ enum server_budget_class {
     SERVER_BUDGET_FIELDS,
     SERVER_BUDGET_FLIGHT,
     SERVER_BUDGET_WORKSPACES, /* idle ones */
-    SERVER_BUDGET_SPARE,      /* set aside for the memory of released fields: never reclaimed */
+    SERVER_BUDGET_LANDMARKS,
+    SERVER_BUDGET_SPARE, /* set aside for the memory of released fields: never reclaimed */
     SERVER_BUDGET_CLASSES
 };
 
 enum server_reclaim_turn {
     SERVER_RECLAIM_WORKSPACES,
+    SERVER_RECLAIM_LANDMARKS,
     SERVER_RECLAIM_IDLE,
     SERVER_RECLAIM_FIELDS,
     SERVER_RECLAIM_MESHES,
@@ -66,7 +68,7 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
  * the limit, since they are there: later takes make up for it. */
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual);
 
-/* What is left if every workspace and field that is idle were let go of and every unused mesh unloaded: an upper bound of what a take can get at
+/* What is left if every workspace, every field and all landmarks that are idle were let go of and every unused mesh unloaded: an upper bound of what a take can get at
  * this moment. */
 size_t server_budget_available(struct server_budget *budget);
 

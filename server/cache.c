@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "server/heap.h"
+#include "server/recent.h"
 
 #define SHELF_FIRST_BUCKETS 8
 
@@ -30,11 +31,12 @@ struct server_shelf {
     bool closed;
     struct entry **buckets;
     uint32_t bucket_count, entry_count; /* bucket_count is a power of two, or 0 */
+    struct server_recent recent;        /* points that had no field when they were asked about */
 };
 
 struct server_flight {
     struct server_shelf *shelf;
-    struct server_flight *next; /* in the cache's list: as many as there are workers at most */
+    struct server_flight *next; /* in the cache's list: as many as jobs can be queued or run at most */
     struct gd_point source;
     struct server_job *parked;
 };
@@ -173,10 +175,10 @@ static void shelf_remove(struct server_cache *cache, struct entry *entry)
     cache->statistics.fields--;
 }
 
-/* Puts an entry on its shelf, with one more reference for it. False without memory. */
-static bool shelf_insert(struct server_cache *cache, struct entry *entry)
+/* Puts an entry on its shelf, with one more reference for it, if there is memory. */
+static void shelf_insert(struct server_cache *cache, struct entry *entry)
 {
-    if (!shelf_reserve(entry->shelf) || !server_heap_reserve(&cache->order)) return false;
+    if (!shelf_reserve(entry->shelf) || !server_heap_reserve(&cache->order)) return;
     struct entry **bucket = shelf_bucket(entry->shelf, &entry->source);
     entry->next = *bucket;
     *bucket = entry;
@@ -185,7 +187,6 @@ static bool shelf_insert(struct server_cache *cache, struct entry *entry)
     set_priority(cache, entry);
     order_insert(cache, entry);
     cache->statistics.fields++;
-    return true;
 }
 
 /* --- eviction, under the lock ------------------------------------------------------------------------------------- */
@@ -336,6 +337,15 @@ void server_cache_unpin(const struct server_cached *cached)
     if (cached) entry_release((struct entry *)cached);
 }
 
+/* --- what is asked about often ------------------------------------------------------------------------------------ */
+
+void server_cache_note(struct server_shelf *shelf, const struct gd_point *point)
+{
+    pthread_mutex_lock(&shelf->cache->lock);
+    server_recent_note(&shelf->recent, point_hash(point));
+    pthread_mutex_unlock(&shelf->cache->lock);
+}
+
 /* --- flights ------------------------------------------------------------------------------------------------------ */
 
 static struct server_flight *find_flight(struct server_cache *cache, const struct server_shelf *shelf,
@@ -366,37 +376,26 @@ static bool park(struct server_shelf *shelf, const struct gd_point *source, stru
     return true;
 }
 
-static enum server_cache_turn enter(struct server_shelf *shelf, const struct gd_point *source,
-                                    const struct server_cached *seen, struct server_job *job,
+static enum server_cache_turn enter(struct server_shelf *shelf, const struct gd_point *source, struct server_job *job,
                                     struct server_flight **out)
 {
-    struct server_cache *cache = shelf->cache;
-    struct entry *entry = shelf_find(shelf, source);
-    if ((entry ? &entry->cached : NULL) != seen) return SERVER_CACHE_AGAIN;
+    if (shelf_find(shelf, source)) return SERVER_CACHE_AGAIN;
     if (park(shelf, source, job)) return SERVER_CACHE_WAIT;
+    if (server_recent_count(&shelf->recent, point_hash(source)) < SERVER_CACHE_SEARCHES) return SERVER_CACHE_SEARCH;
     struct server_flight *flight = start_flight(shelf, source);
-    if (!flight) return SERVER_CACHE_NO_MEMORY;
-    cache->statistics.builds++;
+    if (!flight) return SERVER_CACHE_SEARCH;
+    shelf->cache->statistics.builds++;
     *out = flight;
     return SERVER_CACHE_BUILD;
 }
 
 enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const struct gd_point *source,
-                                          const struct server_cached *seen, struct server_job *job,
-                                          struct server_flight **flight)
+                                          struct server_job *job, struct server_flight **flight)
 {
     pthread_mutex_lock(&shelf->cache->lock);
-    enum server_cache_turn turn = enter(shelf, source, seen, job, flight);
+    enum server_cache_turn turn = enter(shelf, source, job, flight);
     pthread_mutex_unlock(&shelf->cache->lock);
     return turn;
-}
-
-bool server_cache_join(struct server_shelf *shelf, const struct gd_point *source, struct server_job *job)
-{
-    pthread_mutex_lock(&shelf->cache->lock);
-    bool parked = park(shelf, source, job);
-    pthread_mutex_unlock(&shelf->cache->lock);
-    return parked;
 }
 
 bool server_cache_is_awaited(struct server_flight *flight)
@@ -452,29 +451,23 @@ static struct entry *create_entry(struct server_shelf *shelf, const struct gd_po
     return entry;
 }
 
-/* Puts a landed entry in the place of the older one of its source, which is returned for release. */
-static struct entry *replace_entry(struct server_cache *cache, struct entry *entry)
+/* Puts an entry on its shelf (NULL: there is none), unless that is closed or has one of that source. Under the lock. */
+static void put_on_shelf(struct entry *entry)
 {
-    struct entry *older = shelf_find(entry->shelf, &entry->source);
-    if (older) {
-        entry->uses += older->uses;
-        server_heap_remove(&cache->order, &older->node);
-        shelf_remove(cache, older);
-    }
-    if (!entry->shelf->closed) shelf_insert(cache, entry); /* without memory it lives as long as its pins */
-    return older;
+    if (entry && !entry->shelf->closed && !shelf_find(entry->shelf, &entry->source))
+        shelf_insert(entry->shelf->cache, entry);
 }
 
 const struct server_cached *server_cache_land(struct server_flight *flight, struct gd_field *field)
 {
     struct server_cache *cache = flight->shelf->cache;
     size_t bytes = gd_field_memsize(field);
-    struct entry *entry = create_entry(flight->shelf, &flight->source, field, bytes), *older = NULL;
+    struct entry *entry = create_entry(flight->shelf, &flight->source, field, bytes);
     pthread_mutex_lock(&cache->lock);
     end_flight(flight);
-    if (entry) older = replace_entry(cache, entry);
+    server_recent_forget(&flight->shelf->recent, point_hash(&flight->source));
+    put_on_shelf(entry); /* without memory it lives as long as its pins */
     pthread_mutex_unlock(&cache->lock);
-    release_all(older);
     resume_all(cache->workers, flight_free(flight));
     return entry ? &entry->cached : NULL;
 }
@@ -492,27 +485,19 @@ void server_cache_restore(struct server_shelf *shelf, struct gd_field *field)
     struct entry *entry = create_entry(shelf, &source, field, bytes);
     if (!entry) return;
     pthread_mutex_lock(&cache->lock);
-    if (!shelf->closed && !shelf_find(shelf, &source)) shelf_insert(cache, entry);
+    put_on_shelf(entry);
     pthread_mutex_unlock(&cache->lock);
     entry_release(entry);
 }
 
-void server_cache_abandon(struct server_flight *flight)
+void server_cache_abandon(struct server_flight *flight, bool is_worth_another)
 {
     struct server_cache *cache = flight->shelf->cache;
     pthread_mutex_lock(&cache->lock);
     end_flight(flight);
+    if (!is_worth_another) server_recent_forget(&flight->shelf->recent, point_hash(&flight->source));
     pthread_mutex_unlock(&cache->lock);
     resume_all(cache->workers, flight_free(flight));
-}
-
-void server_cache_fail(struct server_flight *flight, enum server_refusal why)
-{
-    struct server_cache *cache = flight->shelf->cache;
-    pthread_mutex_lock(&cache->lock);
-    end_flight(flight);
-    pthread_mutex_unlock(&cache->lock);
-    server_jobs_refuse(flight_free(flight), why);
 }
 
 void server_cache_expire(struct server_cache *cache, uint64_t now_ns)

@@ -2,17 +2,22 @@
  *
  *     const struct server_cached *hit = server_cache_find(shelf, &source);      first lane: a pinned field, or NULL
  *     ...
- *     switch (server_cache_enter(shelf, &source, hit, job, &flight)) {          second lane
- *     case SERVER_CACHE_BUILD: build; hit = server_cache_land(flight, field); ...
- *     case SERVER_CACHE_WAIT:  the job is parked: return, it will be resumed
- *     case SERVER_CACHE_AGAIN: something newer than `hit` is there: look again
+ *     server_cache_note(shelf, &source);                                        none: counted
+ *     switch (server_cache_enter(shelf, &source, job, &flight)) {               second lane
+ *     case SERVER_CACHE_SEARCH: not worth a field: do without
+ *     case SERVER_CACHE_BUILD:  build; hit = server_cache_land(flight, field); ...
+ *     case SERVER_CACHE_WAIT:   the job is parked: return, it will be resumed
+ *     case SERVER_CACHE_AGAIN:  a field is there by now: look again
  *     }
  *     server_cache_unpin(hit);
  *
  * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns. A field that is being built is
  * a *flight*: it has one builder and a list of parked jobs that wait for it. When it lands, the field stands on
- * the shelf (in the place of an older field of the same source, if there was one) and the parked jobs are resumed
- * to look again.
+ * the shelf and the parked jobs are resumed to look again.
+ *
+ * What is built: a field costs as much as 10 to 100 searches for single pairs, and much memory. A source has one built once
+ * SERVER_CACHE_SEARCHES questions about it found none (recent.h): so the searches before it cost no more than the build
+ * itself, and who asks from everywhere fills the cache with nothing.
  *
  * Ownership: an entry is counted, one for the shelf and one for each pin. Its bytes stay in the budget until the
  * last pin goes. A shelf is counted too: its surface, its entries, its flights. A closed shelf keeps nothing: what
@@ -70,17 +75,18 @@ uint32_t server_shelf_count(struct server_shelf *shelf);
 const struct server_cached *server_cache_find(struct server_shelf *shelf, const struct gd_point *source);
 void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless */
 
-enum server_cache_turn { SERVER_CACHE_BUILD, SERVER_CACHE_WAIT, SERVER_CACHE_AGAIN, SERVER_CACHE_NO_MEMORY };
+#define SERVER_CACHE_SEARCHES 16 /* the mean search takes about a 16th of the whole field, see doc/003 */
 
-/* Asks for a field better than `seen` (what server_cache_find gave, NULL included). BUILD: `*flight` is the
- * caller's to land. WAIT: `job` is parked until the flight lands, its deadline passes, or the cache refuses it.
- * AGAIN: the shelf has another field than `seen` by now. */
+/* Counts a question about a point whose field is not there. */
+void server_cache_note(struct server_shelf *shelf, const struct gd_point *point);
+
+enum server_cache_turn { SERVER_CACHE_SEARCH, SERVER_CACHE_BUILD, SERVER_CACHE_WAIT, SERVER_CACHE_AGAIN };
+
+/* Asks for a field that was not there. SEARCH: the source was not asked about often enough, or there is no memory. BUILD:
+ * `*flight` is the caller's to land or to abandon. WAIT: `job` is parked until the flight has ended or its deadline passes.
+ * AGAIN: the shelf has the field by now. */
 enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const struct gd_point *source,
-                                          const struct server_cached *seen, struct server_job *job,
-                                          struct server_flight **flight);
-
-/* Parks a job as a WAIT does if there is a flight of that source; false: there is none. */
-bool server_cache_join(struct server_shelf *shelf, const struct gd_point *source, struct server_job *job);
+                                          struct server_job *job, struct server_flight **flight);
 
 /* True when other jobs wait for the flight: its builder goes on even if its own client went away. */
 bool server_cache_is_awaited(struct server_flight *flight);
@@ -90,12 +96,10 @@ bool server_cache_is_awaited(struct server_flight *flight);
  * parked jobs are resumed. */
 const struct server_cached *server_cache_land(struct server_flight *flight, struct gd_field *field);
 
-/* Ends a flight whose builder gave up (its deadline, its client): the parked jobs are resumed, and one of them
- * becomes the next builder. */
-void server_cache_abandon(struct server_flight *flight);
-
-/* Ends a flight that would fail for anybody: the parked jobs are refused. */
-void server_cache_fail(struct server_flight *flight, enum server_refusal why);
+/* Ends a flight without a field; the parked jobs are resumed. `is_worth_another`: its builder gave up (its deadline, its
+ * client), and one of the others may become the next one. Else the build would fail for anybody: the source is forgotten, so that
+ * they do without. */
+void server_cache_abandon(struct server_flight *flight, bool is_worth_another);
 
 /* Refuses the parked jobs whose deadline has passed. */
 void server_cache_expire(struct server_cache *cache, uint64_t now_ns);

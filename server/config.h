@@ -30,6 +30,7 @@ struct server_config {
     uint64_t queue_length;  /* requests that may wait for a worker */
     unsigned cpu;           /* index of server_config_cpus */
     uint64_t memory_budget; /* bytes */
+    uint64_t landmarks;     /* of a mesh; 0: none */
     uint64_t max_body;      /* bytes */
     uint64_t max_faces;     /* triangles */
     uint64_t timeout_ms;    /* most time that a request may take */

@@ -96,10 +96,17 @@ struct server_exchange *server_exchange_create(struct server *server, const stru
     return NULL;
 }
 
+static void drop_state(struct server_exchange *exchange)
+{
+    if (exchange->free_state) exchange->free_state(exchange->state);
+    exchange->free_state = NULL;
+    exchange->state = NULL;
+}
+
 void server_exchange_destroy(struct server_exchange *exchange)
 {
     if (!exchange) return;
-    if (exchange->free_state) exchange->free_state(exchange->state);
+    drop_state(exchange);
     server_surface_release(exchange->surface);
     server_body_drop(&exchange->body, &exchange->server->budget);
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
@@ -189,6 +196,7 @@ static void finish(struct server_exchange *exchange)
 {
     struct server *server = exchange->server;
     server_reply_seal(exchange);
+    drop_state(exchange); /* now: others may wait for what it holds */
     exchange->transport->finish(exchange);
     atomic_fetch_sub(&server->deferred, 1);
 }
@@ -214,13 +222,7 @@ static void refuse(struct server_job *job, enum server_refusal why)
         (void)proto_problem_from_status(&problem, GD_CANCELLED, NULL);
         break;
     case SERVER_REFUSAL_MEMORY:
-        (void)server_budget_refuse(&exchange->server->budget, "the field", 0, &problem);
-        break;
-    case SERVER_REFUSAL_INTERNAL:
-        (void)proto_problem_from_status(&problem, GD_INTERNAL, NULL);
-        break;
-    case SERVER_REFUSAL_RUNAWAY:
-        (void)proto_problem_from_status(&problem, GD_RUNAWAY, NULL);
+        (void)server_budget_refuse(&exchange->server->budget, "the mesh", 0, &problem);
         break;
     }
     server_reply_problem(exchange, &problem);
@@ -253,11 +255,9 @@ static bool on_progress(void *user, double fraction)
     return !monitor->is_gone;
 }
 
-struct gd_control server_exchange_control(struct server_monitor *monitor, size_t budget_bytes)
+struct gd_control server_exchange_control(struct server_monitor *monitor)
 {
     monitor->looked_ns = gd_now_ns();
-    return (struct gd_control){.budget_bytes = budget_bytes,
-                               .deadline_ns = monitor->exchange->job.deadline_ns,
-                               .progress = on_progress,
-                               .user = monitor};
+    return (struct gd_control){
+        .deadline_ns = monitor->exchange->job.deadline_ns, .progress = on_progress, .user = monitor};
 }

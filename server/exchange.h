@@ -81,7 +81,7 @@ struct server_exchange {
     bool (*join)(struct server_exchange *exchange);
     struct server_surface *surface; /* loaded for this exchange, which has a reference; NULL: none was */
     size_t held;                    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
-    void *state;                    /* the handler's own, kept over a deferral */
+    void *state;                    /* the handler's own, kept over a deferral, until the answer is there */
     void (*free_state)(void *state);
 
     struct server_response response;
@@ -116,7 +116,7 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
 /* Shortens the deadline to `timeout_ms` after the start of the work; 0: leaves it. */
 void server_exchange_shorten(struct server_exchange *exchange, uint64_t timeout_ms);
 
-/* Gives the exchange a state of the handler's own, freed with it. */
+/* Gives the exchange a state of the handler's own, freed when a deferred exchange is answered, else with the exchange. */
 void server_exchange_keep(struct server_exchange *exchange, void *state, void (*free_state)(void *state));
 
 /* Has `work` done by a worker; the handler's last act. `work` returns true when it has replied or deferred again,
@@ -126,14 +126,14 @@ void server_exchange_keep(struct server_exchange *exchange, void *state, void (*
 void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
-/* Control of a long call on behalf of the exchange: its deadline, `budget_bytes`, the daemon's drain, and the
- * client's hanging up unless others wait for `flight` (may be NULL). */
+/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and the client's hanging up
+ * unless others wait for `flight` (may be NULL). */
 struct server_monitor {
     struct server_exchange *exchange;
     struct server_flight *flight;
     uint64_t looked_ns; /* when the client was last looked at */
     bool is_gone;
 };
-struct gd_control server_exchange_control(struct server_monitor *monitor, size_t budget_bytes);
+struct gd_control server_exchange_control(struct server_monitor *monitor);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,8 @@
 #include "server/log.h"
 #include "server/version.h"
 
-#define SUFFIX    ".field"
+#define FIELD     ".field"
+#define LANDMARKS ".landmarks"
 #define TEMPORARY "new"
 #define PAGE      64 /* surfaces listed at once */
 
@@ -54,7 +56,14 @@ static bool file_path(char path[SERVER_DISK_PATH], const char *folder, const cha
 static void discard(const char *path, const char *why)
 {
     unlink(path);
-    server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored field '%s' was deleted: %s", path, why);
+    server_log_message(SERVER_LOG_WARN, "field_discarded", "the stored file '%s' was deleted: %s", path, why);
+}
+
+/* Is the file a kind (FIELD, LANDMARKS)? */
+static bool is_a(const char *file, const char *kind)
+{
+    size_t size = strlen(file), suffix = strlen(kind);
+    return size > suffix && strcmp(file + size - suffix, kind) == 0;
 }
 
 /* Calls `visit` with the path of each file in a folder and the file's own name. */
@@ -101,10 +110,23 @@ static struct mapping *map_file(const char *path)
 
 static bool is_whole(const struct mapping *mapping, const char *file)
 {
-    char name[SERVER_SHA256_HEX + sizeof SUFFIX], sha256[SERVER_SHA256_HEX];
+    char sha256[SERVER_SHA256_HEX];
     server_sha256(mapping->bytes, mapping->size, sha256);
-    snprintf(name, sizeof name, "%s" SUFFIX, sha256);
-    return strcmp(file, name) == 0;
+    return strncmp(file, sha256, strlen(sha256)) == 0;
+}
+
+/* The file, verified; else NULL, and it is deleted. */
+static struct mapping *open_file(const char *path, const char *file)
+{
+    struct mapping *mapping = map_file(path);
+    if (!mapping) {
+        discard(path, "it can't be read");
+    } else if (!is_whole(mapping, file)) {
+        discard(path, "its checksum is not its name");
+        unmap(mapping);
+        mapping = NULL;
+    }
+    return mapping;
 }
 
 struct restoring {
@@ -113,11 +135,12 @@ struct restoring {
     uint32_t restored;
 };
 
-/* Puts the field on the shelf, if the budget has room. */
+/* Puts the field on the shelf, if it is the whole of it and the budget has room. */
 static void keep_field(struct restoring *restoring, struct gd_field *field)
 {
     size_t bytes = gd_field_memsize(field);
-    if (!server_budget_take_spare(restoring->store->budget, SERVER_BUDGET_FLIGHT, bytes)) {
+    if (isfinite(gd_field_reach(field)) ||
+        !server_budget_take_spare(restoring->store->budget, SERVER_BUDGET_FLIGHT, bytes)) {
         gd_field_release(field);
         return;
     }
@@ -129,16 +152,8 @@ static void on_stored_field(void *user, const char *path, const char *file)
 {
     struct restoring *restoring = user;
     struct gd_field *field;
-    struct mapping *mapping = map_file(path);
-    if (!mapping) {
-        discard(path, "it can't be read");
-        return;
-    }
-    if (!is_whole(mapping, file)) {
-        discard(path, "its checksum is not its name");
-        unmap(mapping);
-        return;
-    }
+    struct mapping *mapping = is_a(file, FIELD) ? open_file(path, file) : NULL;
+    if (!mapping) return;
     enum gd_status status =
         gd_field_open_image(restoring->surface->mesh, mapping->bytes, mapping->size, unmap, mapping, &field, NULL);
     if (!status) {
@@ -163,7 +178,7 @@ void server_field_store_restore(struct server_field_store *store, struct server_
 /* --- names that are still wanted ---------------------------------------------------------------------------------- */
 
 struct names { /* of files or folders; sorted when they are searched */
-    char (*names)[SERVER_SHA256_HEX + sizeof SUFFIX + sizeof SERVER_VERSION];
+    char (*names)[SERVER_SHA256_HEX + sizeof LANDMARKS + sizeof SERVER_VERSION];
     size_t count, capacity;
     bool is_incomplete; /* without memory: then nothing is deleted */
 };
@@ -207,12 +222,17 @@ static void on_unwanted_file(void *user, const char *path, const char *file)
     unlink(path);
 }
 
+static void remove_folder(const char *path)
+{
+    each_file(path, on_unwanted_file, NULL);
+    rmdir(path);
+}
+
 static void on_folder(void *user, const char *path, const char *file)
 {
     const struct names *wanted = user;
     if (has_name(wanted, file)) return;
-    each_file(path, on_unwanted_file, NULL);
-    rmdir(path);
+    remove_folder(path);
     server_log_message(SERVER_LOG_INFO, "fields_discarded",
                        "the stored fields in '%s' were deleted: their mesh is gone", path);
 }
@@ -241,24 +261,29 @@ static void on_wanted_surface(void *user, const struct server_listed *listed)
     add_name(user, name);
 }
 
-void server_field_store_clean(struct server_field_store *store, struct server_registry *registry)
+static void on_gone(void *user, const struct server_record *record)
+{
+    char folder[SERVER_DISK_PATH];
+    folder_path(user, folder, record->etag);
+    remove_folder(folder);
+}
+
+void server_field_store_follow(struct server_field_store *store, struct server_registry *registry)
 {
     struct names wanted = {0};
     each_surface(registry, on_wanted_surface, &wanted);
     sort_names(&wanted);
     if (!wanted.is_incomplete) each_file(store->folder, on_folder, &wanted);
     free(wanted.names);
+    server_registry_watch(registry, on_gone, store);
 }
 
-/* --- saving ------------------------------------------------------------------------------------------------------- */
+/* --- writing ------------------------------------------------------------------------------------------------------ */
 
-struct saving {
-    struct server_field_store *store;
-    uint64_t until_ns;
-    struct names kept; /* files */
-    uint32_t written;
-    bool is_over; /* no more time or room */
-};
+static bool make_folder(const char *folder)
+{
+    return mkdir(folder, 0700) == 0 || access(folder, F_OK) == 0;
+}
 
 static bool write_file(const char *folder, const char *path, const void *bytes, size_t size)
 {
@@ -273,12 +298,107 @@ static bool write_file(const char *folder, const char *path, const void *bytes, 
     return false;
 }
 
+#define FILE_NAME (SERVER_SHA256_HEX + sizeof LANDMARKS)
+
+/* The name that an image is stored under. */
+static void name_image(char file[FILE_NAME], const void *image, size_t size, const char *kind)
+{
+    char sha256[SERVER_SHA256_HEX];
+    server_sha256(image, size, sha256);
+    snprintf(file, FILE_NAME, "%s%s", sha256, kind);
+}
+
+/* --- landmarks ---------------------------------------------------------------------------------------------------- */
+
+struct reading {
+    struct server_field_store *store;
+    const struct gd_mesh *mesh;
+    uint32_t count;
+    struct gd_landmarks *out;
+};
+
+/* Keeps the landmarks, if they are as many as they should be and the budget has room. */
+static void keep_landmarks(struct reading *reading, struct gd_landmarks *landmarks)
+{
+    size_t bytes = gd_landmarks_memsize(landmarks);
+    if (!reading->out && gd_landmarks_count(landmarks) == reading->count &&
+        server_budget_take_spare(reading->store->budget, SERVER_BUDGET_FLIGHT, bytes))
+        reading->out = landmarks;
+    else
+        gd_landmarks_release(landmarks);
+}
+
+static void on_stored_landmarks(void *user, const char *path, const char *file)
+{
+    struct reading *reading = user;
+    struct gd_landmarks *landmarks;
+    struct mapping *mapping = is_a(file, LANDMARKS) ? open_file(path, file) : NULL;
+    if (!mapping) return;
+    enum gd_status status = gd_landmarks_open_image(reading->mesh, mapping->bytes, mapping->size, &landmarks);
+    if (!status)
+        keep_landmarks(reading, landmarks);
+    else if (status != GD_NO_MEMORY)
+        discard(path, gd_status_sentence(status));
+    unmap(mapping);
+}
+
+struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
+                                                       const struct server_surface *surface, uint32_t count)
+{
+    struct reading reading = {.store = store, .mesh = surface->mesh, .count = count};
+    char folder[SERVER_DISK_PATH];
+    folder_path(store, folder, surface->record->etag);
+    each_file(folder, on_stored_landmarks, &reading);
+    return reading.out;
+}
+
+static void on_older_landmarks(void *user, const char *path, const char *file)
+{
+    (void)user;
+    if (is_a(file, LANDMARKS)) unlink(path);
+}
+
+static void write_landmarks(const char *folder, void *image, size_t size)
+{
+    char file[FILE_NAME], path[SERVER_DISK_PATH];
+    name_image(file, image, size, LANDMARKS);
+    each_file(folder, on_older_landmarks, NULL);
+    if (!make_folder(folder) || !file_path(path, folder, file) || !write_file(folder, path, image, size))
+        server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written", folder);
+}
+
+void server_field_store_write_landmarks(struct server_field_store *store, struct server_registry *registry,
+                                        const struct server_surface *surface, const struct gd_landmarks *landmarks)
+{
+    size_t size = gd_landmarks_image_size(landmarks);
+    char folder[SERVER_DISK_PATH];
+    if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, size)) return;
+    void *image = malloc(size);
+    if (image) {
+        folder_path(store, folder, surface->record->etag);
+        gd_landmarks_write_image(landmarks, image);
+        write_landmarks(folder, image, size);
+        if (!server_registry_holds(registry, surface->record->etag)) on_gone(store, surface->record);
+    }
+    free(image);
+    server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, size);
+}
+
+/* --- saving fields ------------------------------------------------------------------------------------------------ */
+
+struct saving {
+    struct server_field_store *store;
+    uint64_t until_ns;
+    struct names kept; /* files */
+    uint32_t written;
+    bool is_over; /* no more time or room */
+};
+
 /* Writes an image under the name of its checksum, unless it is there already. */
 static void save_image(struct saving *saving, const char *folder, const void *image, size_t size)
 {
-    char sha256[SERVER_SHA256_HEX], file[SERVER_SHA256_HEX + sizeof SUFFIX], path[SERVER_DISK_PATH];
-    server_sha256(image, size, sha256);
-    snprintf(file, sizeof file, "%s" SUFFIX, sha256);
+    char file[FILE_NAME], path[SERVER_DISK_PATH];
+    name_image(file, image, size, FIELD);
     if (!file_path(path, folder, file)) return;
     if (access(path, F_OK) != 0) {
         saving->is_over |= !write_file(folder, path, image, size);
@@ -306,7 +426,7 @@ static void save_surface(void *user, const struct server_listed *listed)
     if (!listed->surface) return;
     const struct server_cached **fields = server_shelf_pin_all(listed->surface->shelf, &count);
     folder_path(saving->store, folder, listed->record->etag);
-    if (count && mkdir(folder, 0700) != 0 && access(folder, F_OK) != 0) saving->is_over = true;
+    if (count && !make_folder(folder)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
         save_field(saving, folder, fields[i]->field);
         server_cache_unpin(fields[i]);
@@ -317,7 +437,7 @@ static void save_surface(void *user, const struct server_listed *listed)
 static void on_saved_file(void *user, const char *path, const char *file)
 {
     const struct saving *saving = user;
-    if (!has_name(&saving->kept, file)) unlink(path);
+    if (!is_a(file, LANDMARKS) && !has_name(&saving->kept, file)) unlink(path);
 }
 
 /* The folder of a surface that was in memory holds what was cached, and nothing else. */

@@ -1,11 +1,12 @@
-/* Field store: cached fields as files, written when the daemon stops and mapped when their mesh is loaded, so that a
- * restart is warm.
+/* Field store: what was computed of meshes as files, so that a restart is warm: landmarks, written when they have been built;
+ * and cached fields, written when the daemon stops and mapped when their mesh is loaded.
  *
- *     fields/<version>-<etag>/<sha256>.field      the image of a field (gd/field.h), named by its own checksum
+ *     fields/<version>-<etag>/<sha256>.field          the image of a field (gd/field.h), named by its own checksum
+ *     fields/<version>-<etag>/<sha256>.landmarks      the same of landmarks (gd/landmarks.h); one at most
  *
  * What is here can be computed again: so nothing is synced, and a file that is not what its name says, or is of another
  * version or of a mesh that is gone, is deleted. Mapped fields count in the budget as others do. Thread-safe but for
- * server_field_store_save, which is called when nothing else runs. */
+ * server_field_store_save, which is called when nothing else runs, and writing landmarks, which one thread does at a time. */
 #ifndef SERVER_FIELD_STORE_H
 #define SERVER_FIELD_STORE_H
 
@@ -21,8 +22,18 @@ void server_field_store_close(struct server_field_store *store); /* NULL is harm
  * anything. */
 void server_field_store_restore(struct server_field_store *store, struct server_surface *surface);
 
-/* Deletes what belongs to no surface of the registry. */
-void server_field_store_clean(struct server_field_store *store, struct server_registry *registry);
+/* Deletes what belongs to no surface of the registry, now and whenever one leaves it. */
+void server_field_store_follow(struct server_field_store *store, struct server_registry *registry);
+
+/* The stored landmarks of this surface, if there are that many; else NULL. Their gd_landmarks_memsize bytes are taken as
+ * SERVER_BUDGET_FLIGHT, if the budget has room without letting go of anything. */
+struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
+                                                       const struct server_surface *surface, uint32_t count);
+
+/* Writes the surface's landmarks in the place of those that are stored, as far as memory and disk have room, and if the
+ * registry has the surface still. */
+void server_field_store_write_landmarks(struct server_field_store *store, struct server_registry *registry,
+                                        const struct server_surface *surface, const struct gd_landmarks *landmarks);
 
 /* Writes the fields of all surfaces that are in memory, until `until_ns`, and deletes those that are no longer cached. */
 void server_field_store_save(struct server_field_store *store, struct server_registry *registry, uint64_t until_ns);

@@ -8,13 +8,7 @@
 
 #include <stdint.h>
 
-enum server_refusal {
-    SERVER_REFUSAL_DEADLINE,
-    SERVER_REFUSAL_DRAINING,
-    SERVER_REFUSAL_MEMORY,
-    SERVER_REFUSAL_INTERNAL,
-    SERVER_REFUSAL_RUNAWAY
-};
+enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_REFUSAL_MEMORY };
 
 struct server_job {
     struct server_job *next;

@@ -90,7 +90,7 @@ enum server_loader_outcome server_loader_load(struct server *server, struct serv
     free(bytes);
     server_budget_give(&server->budget, SERVER_BUDGET_FLIGHT, size);
     if (outcome) return outcome;
-    if (server->fields) server_field_store_restore(server->fields, surface);
+    if (server->config.persist_fields) server_field_store_restore(server->fields, surface);
     server_registry_keep(server->registry, surface);
     *out = surface;
     return SERVER_LOADER_LOADED;

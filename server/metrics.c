@@ -34,7 +34,7 @@ struct server_metrics {
     const struct proto_route *routes;
     size_t route_count; /* cells are one more: the last is for requests that found no route */
     struct cell *shards[SHARDS];
-    atomic_uint_least64_t failed_checks;
+    atomic_uint_least64_t failed_checks, searches;
     uint64_t started_ns;
 };
 
@@ -108,6 +108,11 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
 void server_metrics_count_failed_check(struct server_metrics *metrics)
 {
     add(&metrics->failed_checks, 1);
+}
+
+void server_metrics_count_search(struct server_metrics *metrics)
+{
+    add(&metrics->searches, 1);
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
@@ -203,7 +208,8 @@ static void write_workers(struct server *server, struct proto_writer *writer)
 {
     struct server_workers_load load = server_workers_load(server->workers);
     write_one(writer, "workers", "gauge", "Worker threads.", load.threads);
-    write_one(writer, "workers_busy", "gauge", "Worker threads at work.", load.running);
+    write_one(writer, "workers_busy", "gauge", "Worker threads at work on requests.", load.running);
+    write_one(writer, "workers_background", "gauge", "Worker threads at work on landmarks.", load.background);
     write_one(writer, "queue_depth", "gauge", "Requests that wait for a worker.", load.queued);
     write_one(writer, "requests_deferred", "gauge", "Requests that are with the workers or wait for them.",
               atomic_load(&server->deferred));
@@ -221,6 +227,19 @@ static void write_cache(struct server *server, struct proto_writer *writer)
     write_one(writer, "cache_fields", "gauge", "Fields in the cache.", (double)cache.fields);
 }
 
+static void write_searches(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer)
+{
+    struct server_landmarks_statistics landmarks = server_landmarks_statistics(server->landmarks);
+    write_one(writer, "searches_total", "counter", "Pairs that were searched, no field being there.",
+              (double)atomic_load(&metrics->searches));
+    write_one(writer, "landmarks_built_total", "counter", "Meshes that landmarks were computed for.",
+              (double)landmarks.built);
+    write_one(writer, "landmarks_loaded_total", "counter", "Meshes whose landmarks were read from the store.",
+              (double)landmarks.loaded);
+    write_one(writer, "landmarks_dropped_total", "counter", "Meshes whose landmarks were let go of for room.",
+              (double)landmarks.dropped);
+}
+
 static void write_store(struct server *server, struct proto_writer *writer)
 {
     struct server_registry_statistics registry = server_registry_statistics(server->registry);
@@ -234,7 +253,8 @@ static void write_store(struct server *server, struct proto_writer *writer)
 
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
-    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes", "fields", "flight", "workspaces", "spare"};
+    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",     "fields",    "flight",
+                                                             "workspaces", "landmarks", "spare"};
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
@@ -260,6 +280,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
     write_workers(server, writer);
     write_cache(server, writer);
+    write_searches(metrics, server, writer);
     write_store(server, writer);
     write_memory(server, writer);
     write_process(metrics, writer);

@@ -24,6 +24,9 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
 /* Counts a failed self-check, or work that ran away. */
 void server_metrics_count_failed_check(struct server_metrics *metrics);
 
+/* Counts a search for a pair. */
+void server_metrics_count_search(struct server_metrics *metrics);
+
 /* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */
 void server_metrics_write(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer);
 

@@ -23,6 +23,8 @@ struct server_registry {
     pthread_rwlock_t lock;
     struct slot **slots; /* sorted by name */
     uint32_t count, capacity;
+    void (*gone)(void *user, const struct server_record *record); /* NULL: nobody wants to know */
+    void *gone_user;
     bool is_incomplete; /* the store has more than memory could be had for */
     atomic_uint_least64_t clock, loads, unloads;
 };
@@ -110,6 +112,21 @@ static void destroy_slot(struct slot *slot)
     retire(slot->surface);
     server_record_release(slot->record);
     free(slot);
+}
+
+bool server_registry_holds(struct server_registry *registry, const char *etag)
+{
+    bool found = false;
+    pthread_rwlock_rdlock(&registry->lock);
+    for (uint32_t i = 0; i < registry->count && !found; i++)
+        found = strcmp(registry->slots[i]->record->etag, etag) == 0;
+    pthread_rwlock_unlock(&registry->lock);
+    return found;
+}
+
+static void tell(struct server_registry *registry, const struct server_record *record)
+{
+    if (registry->gone && !server_registry_holds(registry, record->etag)) registry->gone(registry->gone_user, record);
 }
 
 void server_listed_release(struct server_listed *listed)
@@ -232,6 +249,13 @@ void server_registry_destroy(struct server_registry *registry)
     free(registry);
 }
 
+void server_registry_watch(struct server_registry *registry,
+                           void (*gone)(void *user, const struct server_record *record), void *user)
+{
+    registry->gone = gone;
+    registry->gone_user = user;
+}
+
 /* --- writing ------------------------------------------------------------------------------------------------------ */
 
 /* Under the writer lock: nobody else changes what a name is. */
@@ -313,6 +337,7 @@ enum server_store_outcome server_registry_put(struct server_registry *registry, 
     enum server_store_outcome outcome = put_under_lock(registry, surface, bytes, precondition, &before);
     pthread_mutex_unlock(&registry->writing);
     retire(before.surface);
+    if (before.record) tell(registry, before.record);
     server_record_release(before.record);
     return outcome;
 }
@@ -339,6 +364,7 @@ enum server_store_outcome server_registry_remove(struct server_registry *registr
     pthread_mutex_lock(&registry->writing);
     enum server_store_outcome outcome = remove_under_lock(registry, name, precondition, &removed);
     pthread_mutex_unlock(&registry->writing);
+    if (removed) tell(registry, removed->record);
     destroy_slot(removed);
     return outcome;
 }

@@ -22,6 +22,11 @@ struct server_registry;
 struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
 
+/* Has `gone` called, without any lock, when a record has left and no other has its content (its ETag). To be set before
+ * anything is put. */
+void server_registry_watch(struct server_registry *registry,
+                           void (*gone)(void *user, const struct server_record *record), void *user);
+
 /* Puts a surface under its record's name, durably, together with the bytes that it was made from (borrowed):
  * CREATED or REPLACED. If the name has this very record already, the surface is only kept in memory and its bytes are
  * made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY. */
@@ -37,6 +42,9 @@ struct server_listed {
     struct server_surface *surface; /* NULL: not in memory */
 };
 void server_listed_release(struct server_listed *listed);
+
+/* True when a record has that ETag. Time linear in the number of records. */
+bool server_registry_holds(struct server_registry *registry, const char *etag);
 
 /* The surface of that name, its parts retained; false: there is none. */
 bool server_registry_find(struct server_registry *registry, const char *name, struct server_listed *out);

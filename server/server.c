@@ -24,6 +24,7 @@ static void destroy(struct server *server)
     server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
     server_registry_destroy(server->registry);
+    server_landmarks_destroy(server->landmarks);
     server_field_store_close(server->fields);
     server_loads_destroy(server->loads);
     server_cache_destroy(server->cache);
@@ -46,10 +47,9 @@ static bool create_registry(struct server *server, char *error, size_t error_siz
     struct server_store *store = open_store(config, error, error_size);
     if (!store) return false;
     server->registry = server_registry_create(store, &server->budget);
-    if (!server->registry || config->store == SERVER_STORE_KIND_MEMORY || !config->persist_fields)
-        return server->registry != NULL;
+    if (!server->registry || config->store == SERVER_STORE_KIND_MEMORY) return server->registry != NULL;
     server->fields = server_field_store_open(config->data_dir, &server->budget);
-    if (server->fields) server_field_store_clean(server->fields, server->registry);
+    if (server->fields) server_field_store_follow(server->fields, server->registry);
     return server->fields != NULL;
 }
 
@@ -83,6 +83,8 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     server->metrics = server_metrics_create(proto_routes, proto_route_count);
     if (!server->workspaces || !server->cache || !server->loads || !server->metrics) return false;
     if (!create_registry(server, error, error_size)) return false;
+    if (config->landmarks) server->landmarks = server_landmarks_create(server);
+    if (config->landmarks && !server->landmarks) return false;
     server->timekeeper = server_timekeeper_create(server);
     server->keeper = server_keeper_create(server);
     return server->timekeeper && server->keeper;
@@ -139,7 +141,8 @@ static void persist(struct server *server)
     server_keeper_destroy(server->keeper);
     server->keeper = NULL;
     server_registry_note_uses(server->registry);
-    if (server->fields) server_field_store_save(server->fields, server->registry, gd_now_ns() + PERSIST_NS);
+    if (server->config.persist_fields)
+        server_field_store_save(server->fields, server->registry, gd_now_ns() + PERSIST_NS);
 }
 
 void server_stop(struct server *server)
@@ -150,7 +153,7 @@ void server_stop(struct server *server)
     server_http_quiesce(server->http);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);
-    while (atomic_load(&server->deferred)) pause_briefly();
+    while (atomic_load(&server->deferred) || server_workers_load(server->workers).background) pause_briefly();
     wait_until_idle(server, gd_now_ns() + LAST_ANSWERS_NS);
     server_http_stop(server->http);
     persist(server);

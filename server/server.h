@@ -1,14 +1,13 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
  * DESIGN. Order of parts, each knowing only those before it: config, budget, workspaces, workers, cache, loads, store and
- * registry, field store, metrics, timekeeper, keeper, http. Workspaces, workers, cache, loads and timekeeper have a lock each,
- * the registry two;
- * the only ones held together are the registry's writer lock, its slots' lock and the cache's, in that order. Budget and
- * metrics are atomic.
+ * registry, field store, landmarks, metrics, timekeeper, keeper, http. Workspaces, workers, cache, loads, landmarks and
+ * timekeeper have a lock each, the registry two; the only ones held together are the registry's writer lock, its slots'
+ * lock and the cache's, in that order. Budget and metrics are atomic.
  *
  * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
- * cancelled -> every deferred exchange has finished -> HTTP stops -> uses and fields are persisted -> the parts are
- * destroyed in reverse order. */
+ * cancelled -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are persisted -> the
+ * parts are destroyed in reverse order. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
@@ -20,6 +19,7 @@
 #include "server/cache.h"
 #include "server/config.h"
 #include "server/guard.h"
+#include "server/landmarks.h"
 #include "server/loads.h"
 #include "server/metrics.h"
 #include "server/registry.h"
@@ -40,7 +40,8 @@ struct server {
     struct server_cache *cache;
     struct server_loads *loads;
     struct server_registry *registry;
-    struct server_field_store *fields; /* NULL: they are not persisted */
+    struct server_field_store *fields;  /* NULL: nothing is stored */
+    struct server_landmarks *landmarks; /* NULL: there are none */
     struct server_metrics *metrics;
     struct server_timekeeper *timekeeper;
     struct server_keeper *keeper;

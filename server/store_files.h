@@ -4,7 +4,7 @@
  *     geodesicd.db, -wal, -shm    SQLite: the records as rows
  *     objects/ab/<sha256>         uploaded bytes, immutable, shared by all names that have them
  *     manifests/<name>.manifest   the record of each name (record.h): what the database is made from when it is damaged
- *     fields/                     cached fields (field_store.h)
+ *     fields/                     landmarks and cached fields (field_store.h)
  *     ballast                     room that a delete can have when the disk is full
  *     temporary/                  files that are being written; emptied at the start
  *

@@ -32,7 +32,7 @@ struct server_surface *server_surface_retain(struct server_surface *surface)
 void server_surface_release(struct server_surface *surface)
 {
     if (!surface || atomic_fetch_sub(&surface->references, 1) != 1) return;
-    server_shelf_close(surface->shelf);
+    server_surface_retire(surface);
     server_shelf_release(surface->shelf);
     gd_mesh_release(surface->mesh);
     server_budget_give(surface->budget, SERVER_BUDGET_MESHES, surface->bytes);
@@ -43,4 +43,5 @@ void server_surface_release(struct server_surface *surface)
 void server_surface_retire(struct server_surface *surface)
 {
     server_shelf_close(surface->shelf);
+    server_landmark_slot_close(&surface->landmarks);
 }

@@ -1,7 +1,7 @@
-/* Surface: a mesh in memory with its record and its fields.
+/* Surface: a mesh in memory with its record, its fields and its landmarks.
  *
- * Immutable but for its count and its shelf. The shelf holds fields, which hold the mesh: retiring the surface
- * closes it. */
+ * Immutable but for its count, its shelf and its slot. The shelf holds fields, which hold the mesh, and so do landmarks:
+ * retiring the surface closes both. */
 #ifndef SERVER_SURFACE_H
 #define SERVER_SURFACE_H
 
@@ -11,6 +11,7 @@
 
 #include "gd/mesh.h"
 #include "server/cache.h"
+#include "server/landmarks.h"
 #include "server/record.h"
 
 struct server_surface {
@@ -20,6 +21,7 @@ struct server_surface {
     size_t bytes; /* of the mesh, in SERVER_BUDGET_MESHES until the last reference goes */
     struct server_budget *budget;
     struct server_shelf *shelf;
+    struct server_landmark_slot landmarks;
 };
 
 /* Takes over the mesh and `bytes` of SERVER_BUDGET_FLIGHT, which become SERVER_BUDGET_MESHES, and retains the record.
@@ -31,7 +33,7 @@ struct server_surface *server_surface_create(struct server_record *record, struc
 struct server_surface *server_surface_retain(struct server_surface *surface);
 void server_surface_release(struct server_surface *surface); /* NULL is harmless */
 
-/* Ends the surface's fields; to be called once, when it leaves the registry. */
+/* Ends the surface's fields and landmarks; to be called once, when it leaves the registry. */
 void server_surface_retire(struct server_surface *surface);
 
 #endif

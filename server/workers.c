@@ -13,7 +13,9 @@ struct server_workers {
     pthread_cond_t work;
     struct server_job *head, **tail; /* the queue; `tail` points to the last `next` */
     uint32_t queued, queue_length, running, thread_count;
-    bool leaving; /* threads end once the queue is empty */
+    struct server_job *background; /* jobs for idle times, the latest first */
+    bool is_hosting;               /* a thread runs one of them */
+    bool leaving;                  /* threads end once the queue is empty */
     atomic_bool cancelled;
     pthread_t threads[];
 };
@@ -67,19 +69,47 @@ static void run_job(struct server_workers *workers, struct server_job *job)
         job->run(job);
 }
 
+/* Under the lock, which is given up meanwhile. */
+static void run_next(struct server_workers *workers)
+{
+    struct server_job *job = pop_front(workers);
+    workers->running++;
+    pthread_mutex_unlock(&workers->lock);
+    run_job(workers, job);
+    pthread_mutex_lock(&workers->lock);
+    workers->running--;
+}
+
+static bool may_host(const struct server_workers *workers)
+{
+    return workers->background && !workers->is_hosting;
+}
+
+/* Under the lock, which is given up meanwhile. */
+static void host(struct server_workers *workers)
+{
+    struct server_job *job = workers->background;
+    workers->background = job->next;
+    workers->is_hosting = true;
+    pthread_mutex_unlock(&workers->lock);
+    run_job(workers, job);
+    pthread_mutex_lock(&workers->lock);
+    workers->is_hosting = false;
+}
+
 static void *work(void *user)
 {
     struct server_workers *workers = user;
     pthread_mutex_lock(&workers->lock);
     for (;;) {
-        while (!workers->head && !workers->leaving) pthread_cond_wait(&workers->work, &workers->lock);
-        if (!workers->head) break;
-        struct server_job *job = pop_front(workers);
-        workers->running++;
-        pthread_mutex_unlock(&workers->lock);
-        run_job(workers, job);
-        pthread_mutex_lock(&workers->lock);
-        workers->running--;
+        while (!workers->head && !may_host(workers) && !workers->leaving)
+            pthread_cond_wait(&workers->work, &workers->lock);
+        if (workers->head)
+            run_next(workers);
+        else if (may_host(workers))
+            host(workers);
+        else
+            break;
     }
     pthread_mutex_unlock(&workers->lock);
     return NULL;
@@ -144,6 +174,35 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
     if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
 }
 
+void server_workers_submit_background(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) {
+        job->next = workers->background;
+        workers->background = job;
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+}
+
+void server_workers_yield(struct server_workers *workers)
+{
+    pthread_mutex_lock(&workers->lock);
+    while (workers->head && workers->running + 1 >= workers->thread_count) run_next(workers);
+    pthread_mutex_unlock(&workers->lock);
+}
+
+void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *background = workers->background;
+    workers->background = NULL;
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(background, why);
+}
+
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
 {
     pthread_mutex_lock(&workers->lock);
@@ -159,6 +218,7 @@ void server_workers_cancel(struct server_workers *workers)
     struct server_job *queued = take_expired(workers, UINT64_MAX);
     pthread_mutex_unlock(&workers->lock);
     server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
+    server_workers_refuse_background(workers, SERVER_REFUSAL_DRAINING);
 }
 
 bool server_workers_cancelled(struct server_workers *workers)
@@ -169,7 +229,7 @@ bool server_workers_cancelled(struct server_workers *workers)
 struct server_workers_load server_workers_load(struct server_workers *workers)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_workers_load load = {workers->thread_count, workers->running, workers->queued};
+    struct server_workers_load load = {workers->thread_count, workers->running, workers->queued, workers->is_hosting};
     pthread_mutex_unlock(&workers->lock);
     return load;
 }

@@ -4,6 +4,10 @@
  * one comes back through server_workers_resume. One mutex guards queue and state; `run` and `refuse` are called
  * without it, so they may take any lock.
  *
+ * Background jobs are for idle times: one at a time, begun when the queue is empty. Such a job yields every millisecond or
+ * so: when all threads are at work it runs what is queued itself, before it goes on. So it costs a request a millisecond at
+ * most, and no work is lost.
+ *
  * States: open -> cancelled (jobs in the queue and coming ones are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. */
 #ifndef SERVER_WORKERS_H
@@ -26,15 +30,24 @@ bool server_workers_submit(struct server_workers *workers, struct server_job *jo
 /* Queues a parked job again, ahead of the others and whatever the queue's length: it was admitted before. */
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
+/* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */
+void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
+
+/* To be called by a background job while it runs: runs the jobs that no other thread is free for. */
+void server_workers_yield(struct server_workers *workers);
+
+/* Refuses the background jobs that were not begun. */
+void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why);
+
 /* Refuses the queued jobs whose deadline has passed. */
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 
-/* Refuses all queued and coming jobs and makes server_workers_cancelled true. */
+/* Refuses all queued and coming jobs, those of the background too, and makes server_workers_cancelled true. */
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 
 struct server_workers_load {
-    uint32_t threads, running, queued;
+    uint32_t threads, running, queued, background; /* running: without the background job, 0 or 1, that runs */
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 

@@ -1,9 +1,9 @@
 /* Pair: distance and path between two points.
  *
- * The metric is symmetric, so a field of either point answers, if it reaches as far as the other. First lane: such
- * a field is in the cache. Second lane: a worker builds one, of `from`: only as far as `to` when it is the first
- * question about that source, the whole of it when a field of that source is there but does not reach. Who asks
- * for a field that is being built is parked and looks again when it has landed. */
+ * The metric is symmetric, so a field of either point answers. First lane: such a field is in the cache. Second lane: a worker
+ * searches from one point to the other, with the mesh's landmarks where there are some; or, if one of the points is asked about
+ * again and again, it builds the field of that point. Who asks while a field of one of his points is being built is parked and
+ * looks again when it has landed. */
 #include "server/handlers/handlers.h"
 
 #include <stdlib.h>
@@ -13,22 +13,27 @@
 #include "server/field_build.h"
 #include "server/handlers/description.h"
 #include "server/handlers/request.h"
+#include "server/landmarks.h"
+#include "server/pair_search.h"
 #include "server/reply.h"
 #include "server/server.h"
 
-#define INLINE_PATH_FACES 200000 /* tracing a path across a larger mesh may keep an HTTP thread for too long */
+#define INLINE_PATH_FACES   200000 /* tracing a path across a larger mesh may keep an HTTP thread for too long */
+#define PATIENCE_NS_AN_EDGE 10000  /* ten times what a field takes: who has less time left has his pair searched */
 
 struct pair {
     struct server_surface *surface;
     struct proto_options options;
     struct proto_located_pair points;
     bool wants_path;
-    bool wants_all; /* a field that was built as far as `to` did not answer */
+    struct server_flight *flight;  /* this request is to build the field; NULL: it is not */
+    const struct gd_point *source; /* of the flight: one of the points */
 };
 
 static void free_pair(void *state)
 {
     struct pair *pair = state;
+    if (pair->flight) server_cache_abandon(pair->flight, true);
     server_surface_release(pair->surface);
     free(pair);
 }
@@ -61,113 +66,134 @@ static bool read_pair(struct server_exchange *exchange, const char *const *field
 
 /* --- the answer --------------------------------------------------------------------------------------------------- */
 
+static void count_failure(struct server_exchange *exchange, enum gd_status status)
+{
+    if (status == GD_INTERNAL || status == GD_RUNAWAY) server_metrics_count_failed_check(exchange->server->metrics);
+}
+
 static void reply_status(struct server_exchange *exchange, enum gd_status status)
 {
     struct proto_problem problem;
-    if (status == GD_INTERNAL || status == GD_RUNAWAY) server_metrics_count_failed_check(exchange->server->metrics);
+    count_failure(exchange, status);
     if (status == GD_BUDGET)
-        server_budget_refuse(&exchange->server->budget, "the field", 0, &problem);
+        server_budget_refuse(&exchange->server->budget, "the search", 0, &problem);
     else
         proto_problem_from_status(&problem, status, NULL);
     server_reply_problem(exchange, &problem);
 }
 
-static void reply_answer(struct server_exchange *exchange, const struct pair *pair, const struct gd_pair_answer *answer)
+static void reply_answer(struct server_exchange *exchange, const struct pair *pair, struct gd_pair_answer *answer)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     proto_pair_encode(&writer, &pair->points, answer, &pair->options);
     server_description_tag(exchange, pair->surface->record);
     server_reply_json(exchange, 200, &writer);
+    gd_pair_answer_free(answer);
 }
 
-/* Replies from a field; false when there is none or it does not reach. */
-static bool answer_from(struct server_exchange *exchange, const struct pair *pair, const struct server_cached *cached)
+static void answer_from(struct server_exchange *exchange, const struct pair *pair, const struct server_cached *cached)
 {
     struct gd_pair_answer answer;
-    if (!cached) return false;
     enum gd_status status =
         gd_pair_from_field(cached->field, &pair->points.from, &pair->points.to, pair->wants_path, &answer);
-    if (status == GD_BEYOND_REACH) return false;
-    if (status) {
+    if (status)
         reply_status(exchange, status);
-        return true;
-    }
-    reply_answer(exchange, pair, &answer);
-    gd_pair_answer_free(&answer);
+    else
+        reply_answer(exchange, pair, &answer);
+}
+
+static bool answer_from_cache(struct server_exchange *exchange, const struct pair *pair)
+{
+    const struct server_cached *cached = server_cache_find(pair->surface->shelf, &pair->points.from);
+    if (!cached) cached = server_cache_find(pair->surface->shelf, &pair->points.to);
+    if (!cached) return false;
+    answer_from(exchange, pair, cached);
+    server_cache_unpin(cached);
     return true;
 }
 
-/* Replies from a cached field; else false, with the field of `from` pinned (or NULL) in `*seen`. */
-static bool answer_from_cache(struct server_exchange *exchange, const struct pair *pair,
-                              const struct server_cached **seen)
+static void search(struct server_exchange *exchange, const struct pair *pair)
 {
-    *seen = server_cache_find(pair->surface->shelf, &pair->points.from);
-    if (answer_from(exchange, pair, *seen)) {
-        server_cache_unpin(*seen);
-        return true;
-    }
-    const struct server_cached *other = server_cache_find(pair->surface->shelf, &pair->points.to);
-    bool answered = answer_from(exchange, pair, other);
-    server_cache_unpin(other);
-    if (answered) server_cache_unpin(*seen);
-    return answered;
+    struct server *server = exchange->server;
+    struct server_landmark_set *set = server_landmarks_find(server->landmarks, pair->surface);
+    struct gd_pair_answer answer;
+    server_metrics_count_search(server->metrics);
+    enum gd_status status = server_pair_search(exchange, pair->points.mesh, &pair->points.from, &pair->points.to,
+                                               pair->wants_path, set ? set->landmarks : NULL, &answer);
+    server_landmark_set_release(set);
+    if (status)
+        reply_status(exchange, status);
+    else
+        reply_answer(exchange, pair, &answer);
 }
 
 /* --- the second lane ---------------------------------------------------------------------------------------------- */
 
-/* Ends a flight whose build failed, and replies. Who waits for it may still succeed, unless it would fail in the
- * same way. */
-static void crash(struct server_exchange *exchange, struct server_flight *flight, enum gd_status status)
+/* BUILD: the request has a flight now. WAIT: it is parked, and not the caller's any more. */
+static enum server_cache_turn board(struct server_exchange *exchange, struct pair *pair)
 {
-    if (status == GD_BUDGET || status == GD_NO_MEMORY)
-        server_cache_fail(flight, SERVER_REFUSAL_MEMORY);
-    else if (status == GD_INTERNAL)
-        server_cache_fail(flight, SERVER_REFUSAL_INTERNAL);
-    else if (status == GD_RUNAWAY)
-        server_cache_fail(flight, SERVER_REFUSAL_RUNAWAY);
-    else
-        server_cache_abandon(flight);
-    reply_status(exchange, status);
+    struct server_shelf *shelf = pair->surface->shelf;
+    uint64_t patience = PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->points.mesh)->edges;
+    if (exchange->job.deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
+    pair->source = &pair->points.from;
+    enum server_cache_turn turn = server_cache_enter(shelf, pair->source, &exchange->job, &pair->flight);
+    if (turn != SERVER_CACHE_SEARCH) return turn;
+    pair->source = &pair->points.to;
+    return server_cache_enter(shelf, pair->source, &exchange->job, &pair->flight);
 }
 
-/* Builds the field and replies from it; without a reply it is to be tried again. */
-static void fly(struct server_exchange *exchange, struct pair *pair, struct server_flight *flight, bool whole)
+/* Ends a flight whose build failed. Unless it is this request that ended, its pair can still be searched, as can those of the
+ * requests that wait. */
+static void give_up(struct server_exchange *exchange, const struct pair *pair, struct server_flight *flight,
+                    enum gd_status status)
 {
+    bool has_ended = status == GD_DEADLINE || status == GD_CANCELLED;
+    server_cache_abandon(flight, has_ended);
+    if (has_ended) {
+        reply_status(exchange, status);
+        return;
+    }
+    count_failure(exchange, status);
+    search(exchange, pair);
+}
+
+/* Builds the field and replies from it. */
+static void fly(struct server_exchange *exchange, struct pair *pair)
+{
+    struct server_flight *flight = pair->flight;
     struct gd_field *field;
-    enum gd_status status = server_field_build(exchange, flight, pair->points.mesh, &pair->points.from,
-                                               whole ? NULL : &pair->points.to, &field);
+    pair->flight = NULL;
+    enum gd_status status = server_field_build(exchange, flight, pair->points.mesh, pair->source, &field);
     if (status) {
-        crash(exchange, flight, status);
+        give_up(exchange, pair, flight, status);
         return;
     }
     const struct server_cached *landed = server_cache_land(flight, field);
-    if (!landed)
-        reply_status(exchange, GD_NO_MEMORY);
-    else if (!answer_from(exchange, pair, landed))
-        pair->wants_all = true;
+    if (landed)
+        answer_from(exchange, pair, landed);
+    else
+        search(exchange, pair);
     server_cache_unpin(landed);
 }
 
-/* One look and, if need be, one build. False: parked, then this is called again. */
+/* One look and, if need be, one search or build. False: parked, then this is called again. */
 static bool solve(struct server_exchange *exchange)
 {
     struct pair *pair = exchange->state;
-    const struct server_cached *seen;
-    struct server_flight *flight;
-    if (answer_from_cache(exchange, pair, &seen)) return true;
-    enum server_cache_turn turn =
-        server_cache_enter(pair->surface->shelf, &pair->points.from, seen, &exchange->job, &flight);
-    bool whole = seen != NULL;
-    server_cache_unpin(seen);
+    enum server_cache_turn turn = SERVER_CACHE_BUILD;
+    if (!pair->flight) {
+        if (answer_from_cache(exchange, pair)) return true;
+        turn = board(exchange, pair);
+    }
     switch (turn) {
     case SERVER_CACHE_WAIT:
         return false;
     case SERVER_CACHE_BUILD:
-        fly(exchange, pair, flight, whole || pair->wants_all);
+        fly(exchange, pair);
         break;
-    case SERVER_CACHE_NO_MEMORY:
-        reply_status(exchange, GD_NO_MEMORY);
+    case SERVER_CACHE_SEARCH:
+        search(exchange, pair);
         break;
     case SERVER_CACHE_AGAIN:
         break; /* without a reply: the dispatcher calls this again */
@@ -175,10 +201,10 @@ static bool solve(struct server_exchange *exchange)
     return true;
 }
 
+/* A flight begins here, before its builder is queued: so those who come meanwhile take no place in the queue. */
 static bool join(struct server_exchange *exchange)
 {
-    const struct pair *pair = exchange->state;
-    return server_cache_join(pair->surface->shelf, &pair->points.from, &exchange->job);
+    return board(exchange, exchange->state) == SERVER_CACHE_WAIT;
 }
 
 /* --- the first lane ----------------------------------------------------------------------------------------------- */
@@ -190,9 +216,10 @@ static bool is_quick(const struct pair *pair)
 
 static void answer_or_defer(struct server_exchange *exchange, const struct pair *pair)
 {
-    const struct server_cached *seen = NULL;
-    if (is_quick(pair) && answer_from_cache(exchange, pair, &seen)) return;
-    server_cache_unpin(seen);
+    const struct gd_point *from = &pair->points.from, *to = &pair->points.to;
+    if (is_quick(pair) && answer_from_cache(exchange, pair)) return;
+    server_cache_note(pair->surface->shelf, from);
+    if (!gd_point_equal(from, to)) server_cache_note(pair->surface->shelf, to);
     server_exchange_defer(exchange, solve, join);
 }
 

@@ -84,7 +84,7 @@ static struct server_surface *make_surface(struct server_exchange *exchange, con
     const struct server_builder builder = {.budget = &server->budget,
                                            .cache = server->cache,
                                            .max_faces = (uint32_t)server->config.max_faces,
-                                           .control = server_exchange_control(&monitor, 0)};
+                                           .control = server_exchange_control(&monitor)};
     struct server_surface *surface = NULL;
     struct proto_problem problem;
     if (server_build_surface(&builder, upload->record, exchange->body.bytes, &surface, &problem))

@@ -11,11 +11,13 @@ import signal
 import socket
 import subprocess
 import threading
+import time
 import unittest
 
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
 PATIENCE_SECONDS = 60
+SEARCHES = 16  # questions about a source before its field is built: SERVER_CACHE_SEARCHES
 
 TETRAHEDRON = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
@@ -106,6 +108,14 @@ class Daemon:
         headers = {"Content-Type": "application/json"}
         return self.request("POST", f"/v1/meshes/{name}/{query}", json.dumps(document), headers)
 
+    def ask_often(self, name, source):
+        """Asks about a source as often as can be without a field being built: the next question builds it."""
+        connection = self.connect()
+        for _ in range(SEARCHES - 1):
+            answer = self.request("GET", f"/v1/meshes/{name}/distance?from={source}&to={source}", connection=connection)
+            assert answer.status == 200, answer
+        connection.close()
+
     def raw(self, text, shut=False):
         """Sends bytes as they are; all that comes back until the daemon closes or falls silent."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=3) as connection:
@@ -126,6 +136,15 @@ class Daemon:
             if line.startswith(f"geodesicd_{name} "):
                 return float(line.split()[1])
         raise KeyError(name)
+
+    def wait_for(self, name, least=1):
+        """Until the metric has that value; returns it."""
+        until = time.monotonic() + PATIENCE_SECONDS
+        while (value := self.metric(name)) < least:
+            if time.monotonic() > until:
+                raise TimeoutError(f"{name} is {value}")
+            time.sleep(0.005)
+        return value
 
     def terminate(self):
         self.process.send_signal(signal.SIGTERM)

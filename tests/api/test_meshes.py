@@ -23,6 +23,7 @@ class Put(TestCase):
 
     def test_the_same_bytes_again_change_nothing(self):
         first = self.daemon.put("same", SQUARE)
+        self.daemon.ask_often("same", "v:0")
         self.daemon.get("/v1/meshes/same/distance?from=v:0&to=v:2")
         again = self.daemon.put("same", SQUARE)
         self.assertEqual((first.status, again.status), (201, 200))
@@ -31,6 +32,7 @@ class Put(TestCase):
 
     def test_other_bytes_replace_and_end_the_fields(self):
         self.daemon.put("replaced", SQUARE)
+        self.daemon.ask_often("replaced", "v:0")
         self.daemon.get("/v1/meshes/replaced/distance?from=v:0&to=v:2")
         answer = self.daemon.put("replaced", TETRAHEDRON)
         self.assertEqual((answer.status, answer.json["faces"], answer.json["fields_cached"]), (200, 4, 0))
@@ -172,11 +174,16 @@ class Delete(TestCase):
 
     def test_memory_is_given_back(self):
         self.daemon.put("big", sample("grid", columns=100, rows=100))
+        self.daemon.ask_often("big", "v:0")
         self.daemon.get("/v1/meshes/big/distance?from=v:0&to=v:9000")
+        self.assertEqual(self.daemon.get("/v1/meshes/big").json["fields_cached"], 1)
         self.daemon.request("DELETE", "/v1/meshes/big")
+        while self.daemon.metric("workers_background"):  # its landmarks were on their way
+            pass
         text = self.daemon.get("/metrics").body.decode()
         self.assertIn('memory_bytes{class="fields"} 0\n', text)
         self.assertIn('memory_bytes{class="flight"} 0\n', text)
+        self.assertIn('memory_bytes{class="landmarks"} 0\n', text)
 
 
 if __name__ == "__main__":

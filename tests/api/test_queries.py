@@ -3,7 +3,7 @@ import gzip
 import math
 import unittest
 
-from harness import SQUARE, TWO_TRIANGLES, TestCase, sample
+from harness import SEARCHES, SQUARE, TWO_TRIANGLES, TestCase, sample
 
 
 class Pairs(TestCase):
@@ -79,17 +79,33 @@ class Pairs(TestCase):
         refused = self.daemon.get(url, Accept_Encoding="gzip;q=0, identity")
         self.assertIsNone(refused.headers["Content-Encoding"])
 
-    def test_a_question_far_beyond_the_first_one(self):
-        """The first question builds a field as far as its target, the second one the whole, the third one nothing."""
+    def test_a_source_that_is_asked_about_again_and_again_has_its_field_built(self):
         self.daemon.put("fresh", sample("icosphere", level=4))
-        builds = self.daemon.metric("cache_builds_total")
-        steps = []
-        for target in ("v:13", "p:-9,-9,-9", "p:9,-9,9"):
-            self.distance("fresh", "v:12", target)
-            steps.append(self.daemon.metric("cache_builds_total") - builds)
-        self.assertEqual(steps, [1, 2, 2])
-        self.distance("fresh", "p:0,9,0", "v:12")  # the other way round: the field of `to` answers
-        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 2)
+        before = {name: self.daemon.metric(name) for name in ("cache_builds_total", "searches_total")}
+
+        def counted():
+            return [self.daemon.metric(name) - before[name] for name in ("searches_total", "cache_builds_total")]
+
+        def ask(first, last):
+            """To one vertex after the other; each second time the other way round, since either end counts."""
+            ends = [("v:12", f"v:{vertex}") for vertex in range(first, last)]
+            return [self.distance("fresh", *(pair[::-1] if number % 2 else pair)) for number, pair in enumerate(ends)]
+
+        searched = ask(100, 100 + SEARCHES - 1)
+        self.assertEqual(counted(), [SEARCHES - 1, 0])
+        built = ask(100 + SEARCHES - 1, 150)
+        self.assertEqual(counted(), [SEARCHES - 1, 1])
+        for one, other in zip(searched + built, ask(100, 150)):
+            self.assertAlmostEqual(one, other, 12)
+        self.assertEqual(counted(), [SEARCHES - 1, 1])
+
+    def test_questions_from_everywhere_build_nothing(self):
+        self.daemon.put("many", sample("icosphere", level=3))
+        builds, searches = self.daemon.metric("cache_builds_total"), self.daemon.metric("searches_total")
+        for number in range(200):
+            self.distance("many", f"v:{number}", f"v:{number + 300}")
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
+        self.assertEqual(self.daemon.metric("searches_total"), searches + 200)
 
     def test_points_that_are_not_there(self):
         for point in ("v:99", "f:2:1,0,0", "e:1-3:0.5"):

@@ -11,7 +11,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SEARCHES, SQUARE, Daemon, TestCase, sample
 
 
 def slow_mesh():
@@ -49,7 +49,7 @@ class Start(unittest.TestCase):
     def test_help_and_version(self):
         answer = run("--help")
         self.assertEqual(answer.returncode, 0)
-        for flag in ("--listen", "--cpu", "--memory-budget", "--drain-ms"):
+        for flag in ("--listen", "--cpu", "--landmarks", "--memory-budget", "--drain-ms"):
             self.assertIn(flag, answer.stdout)
         self.assertRegex(run("--version").stdout, r"^geodesicd \d+\.\d+\.\d+\n$")
 
@@ -58,6 +58,7 @@ class Start(unittest.TestCase):
         self.assert_refused(run("--workers"), "value")
         self.assert_refused(run("--workers", "many"), "whole number")
         self.assert_refused(run("--memory-budget", "4 apples"), "size")
+        self.assert_refused(run("--landmarks", "17"), "0 to 16")
         self.assert_refused(run("workers"), "--")
 
     def test_other_addresses_than_loopback_need_keys(self):
@@ -106,7 +107,7 @@ class Cpu(unittest.TestCase):
     """Kernels are a matter of speed: what a client sees is the same to the last bit."""
 
     def answers(self, cpu, files):
-        with Daemon("--cpu", cpu) as daemon:
+        with Daemon("--cpu", cpu, "--landmarks", "0") as daemon:
             name = cpu if cpu != "auto" else own_kernels()[-1]
             self.assertIn(f'cpu="{name}"', daemon.get("/metrics").body.decode())
             self.assertEqual([line["cpu"] for line in daemon.log if line["event"] == "listening"], [name])
@@ -238,22 +239,29 @@ class Guard(TestCase):
 
 
 class Lanes(TestCase):
-    flags = ("--workers", "1", "--queue-length", "2", "--http-threads", "2")
+    flags = ("--workers", "1", "--queue-length", "2", "--http-threads", "2", "--landmarks", "0")
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.daemon.put("slow", slow_mesh())
         cls.daemon.put("square", SQUARE)
+        cls.daemon.ask_often("square", "v:0")
         cls.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
 
-    def ask(self, source, target="p:9,9,0", options=""):
-        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to={target}{options}")
+    def ask(self, source, options=""):
+        """Asks across the mesh, for a target that no other source is asked for with."""
+        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
+
+    def ask_for_a_field(self, source):
+        """Asks the question that a field is built for: the slowest there is."""
+        self.daemon.ask_often("slow", f"v:{source}")
+        return self.ask(source)
 
     def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            first = pool.submit(self.ask, 600)
+            first = pool.submit(self.ask_for_a_field, 600)
             while self.daemon.metric("cache_builds_total") == builds:
                 self.assertFalse(first.done(), "too fast to watch")
             answers = all_of(10, lambda _: self.ask(600))
@@ -265,7 +273,7 @@ class Lanes(TestCase):
             asked = [pool.submit(self.ask, source) for source in range(100, 112)]
             answers = [future.result() for future in asked]
         refused = [answer for answer in answers if answer.status == 503]
-        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 3)
+        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 2)  # the queue's length
         self.assertGreater(len(refused), 0)
         for answer in refused:
             self.assert_problem(answer, 503, "overloaded")
@@ -273,8 +281,9 @@ class Lanes(TestCase):
 
     def test_the_first_lane_stays_open(self):
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            slow = pool.submit(self.ask, 200)
-            while not self.daemon.metric("workers_busy"):
+            builds = self.daemon.metric("cache_builds_total")
+            slow = pool.submit(self.ask_for_a_field, 200)
+            while self.daemon.metric("cache_builds_total") == builds:
                 self.assertFalse(slow.done(), "too fast to watch")
             for path in ("/livez", "/v1/meshes/square", "/v1/meshes/square/distance?from=v:0&to=v:2",
                          "/v1/meshes/slow/nearest?point=p:0.5,0.5,3"):
@@ -284,22 +293,43 @@ class Lanes(TestCase):
 
     def test_deadline_of_the_work(self):
         started = time.monotonic()
-        self.assert_problem(self.ask(300, options="&timeout_ms=20"), 504, "deadline_exceeded")
+        self.assert_problem(self.ask(300, options="&timeout_ms=3"), 504, "deadline_exceeded")
         self.assertLess(time.monotonic() - started, 2)
 
     def test_deadline_while_waiting(self):
-        """A request that waits, for a worker or for a field that is being built, is answered at its own deadline."""
+        """A request that waits for a worker is answered at its own deadline."""
+        builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            slow = pool.submit(self.ask, 400)
-            while not self.daemon.metric("workers_busy"):
+            slow = pool.submit(self.ask_for_a_field, 400)
+            while self.daemon.metric("cache_builds_total") == builds:
                 self.assertFalse(slow.done(), "too fast to watch")
             self.assert_problem(self.ask(401, options="&timeout_ms=20"), 504, "deadline_exceeded")
             self.assertFalse(slow.done(), "too fast to watch")
             slow.result()
 
+    def test_when_the_builder_gives_up_another_takes_over(self):
+        """The builder waits for the worker, more than the queue holds wait for him: his deadline is not theirs."""
+        self.daemon.ask_often("square", "v:1")
+        url = "/v1/meshes/square/distance?from=v:1&to=v:3"
+        builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
+        with concurrent.futures.ThreadPoolExecutor(7) as pool:
+            slow = pool.submit(self.ask_for_a_field, 700)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(slow.done(), "too fast to watch")
+            hasty = pool.submit(self.daemon.get, url + "&timeout_ms=80")
+            while self.daemon.metric("cache_builds_total") == builds + 1:
+                self.assertFalse(slow.done(), "too fast to watch")
+            patient = [pool.submit(self.daemon.get, url) for _ in range(5)]
+            self.assert_problem(hasty.result(), 504, "deadline_exceeded")
+            self.assertFalse(slow.done(), "too fast to watch")
+            self.assertEqual([future.result().status for future in (slow, *patient)], [200] * 6)
+        self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 5)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 3)
+
     def test_a_client_that_went_away_frees_its_worker(self):
+        self.daemon.ask_often("slow", "v:500")
         connection = socket.create_connection(("127.0.0.1", self.daemon.port))
-        connection.sendall(b"GET /v1/meshes/slow/distance?from=v:500&to=p:9,9,0 HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        connection.sendall(b"GET /v1/meshes/slow/distance?from=v:500&to=v:65500 HTTP/1.1\r\nHost: localhost\r\n\r\n")
         while not self.daemon.metric("workers_busy"):
             pass
         connection.close()
@@ -312,48 +342,38 @@ class Lanes(TestCase):
 
 
 class Waiting(TestCase):
-    flags = ("--workers", "2")
+    flags = ("--workers", "2", "--queue-length", str(SEARCHES), "--landmarks", "0")
 
-    def test_one_build_for_all_who_ask_at_the_same_time(self):
+    def test_one_build_and_a_few_searches_for_all_who_ask_at_the_same_time(self):
         self.daemon.put("ball", sample("icosphere", level=5))
-        builds = self.daemon.metric("cache_builds_total")
-        answers = all_of(50, lambda _: self.daemon.get("/v1/meshes/ball/path?from=v:77&to=p:0,0,-9"))
+        builds, searches = self.daemon.metric("cache_builds_total"), self.daemon.metric("searches_total")
+        answers = all_of(150, lambda _: self.daemon.get("/v1/meshes/ball/path?from=v:77&to=p:0,0,-9"))
         self.assertEqual({answer.status for answer in answers}, {200})
-        self.assertEqual(len({answer.body for answer in answers}), 1)
+        for answer in answers:
+            self.assertAlmostEqual(answer.json["distance"], answers[0].json["distance"], 12)
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
+        self.assertLess(self.daemon.metric("searches_total") - searches, SEARCHES)
 
-    def test_who_waits_for_a_field_has_a_deadline_of_its_own(self):
+    def test_who_has_little_time_does_not_wait_for_a_field(self):
         self.daemon.put("slow", slow_mesh())
+        self.daemon.ask_often("slow", "v:5")
         url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
         builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            slow = pool.submit(self.daemon.get, url)
-            while self.daemon.metric("cache_builds_total") == builds:
-                pass
-            self.assert_problem(self.daemon.get(url + "&timeout_ms=30"), 504, "deadline_exceeded")
-            self.assertFalse(slow.done(), "too fast to watch")
-            self.assertEqual(slow.result().status, 200)
-        self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 1)
-
-    def test_when_the_builder_gives_up_another_takes_over(self):
-        self.daemon.put("slow", slow_mesh())
-        url = "/v1/meshes/slow/distance?from=v:6&to=p:9,9,0"
-        builds = self.daemon.metric("cache_builds_total")
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            hasty = pool.submit(self.daemon.get, url + "&timeout_ms=60")
-            while self.daemon.metric("cache_builds_total") == builds:
-                pass
-            patient = self.daemon.get(url)
-            self.assert_problem(hasty.result(), 504, "deadline_exceeded")
-        self.assertEqual(patient.status, 200)
+        hasty = self.daemon.get(url + "&timeout_ms=1500")  # less than ten times what such a field may take
+        self.assertIn(hasty.status, (200, 504), hasty)  # slow under sanitizers
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
+        self.assertEqual(self.daemon.get(url).status, 200)
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
+        self.assertEqual(self.daemon.metric("cache_waits_total"), waits)
 
 
 class Memory(TestCase):
-    flags = ("--memory-budget", "72MiB", "--max-body", "8MiB", "--workers", "2")
+    flags = ("--memory-budget", "72MiB", "--max-body", "8MiB", "--workers", "2", "--landmarks", "0")
 
     def test_fields_are_evicted_and_meshes_refused(self):
         self.assertEqual(self.daemon.put("ball", sample("icosphere", level=5)).status, 201)
         for source in range(0, 200, 10):
+            self.daemon.ask_often("ball", f"v:{source}")
             self.assertEqual(self.daemon.get(f"/v1/meshes/ball/distance?from=v:{source}&to=p:0,0,-9").status, 200)
         self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
         large = self.daemon.put("large", sample("icosphere", level=7)[: 8 << 20])
@@ -371,6 +391,7 @@ class Drain(unittest.TestCase):
         """A daemon with a query under way, the query, and a connection that is open."""
         daemon = Daemon("--workers", "1", *flags)
         daemon.put("slow", slow_mesh())
+        daemon.ask_often("slow", "v:0")
         pool = concurrent.futures.ThreadPoolExecutor(2)
         query = pool.submit(daemon.get, "/v1/meshes/slow/distance?from=v:0&to=p:9,9,0")
         connection = daemon.connect()

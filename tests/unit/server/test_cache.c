@@ -41,7 +41,8 @@ static struct server_flight *enter(struct fixture *fixture, uint32_t vertex)
     struct server_flight *flight = NULL;
     struct test_job job;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &job.job, &flight), SERVER_CACHE_BUILD);
+    ask_often(fixture->shelf, &source);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
     return flight;
 }
 
@@ -72,6 +73,12 @@ static bool has(struct fixture *fixture, uint32_t vertex)
     const struct server_cached *cached = find(fixture, vertex);
     server_cache_unpin(cached);
     return cached != NULL;
+}
+
+static void reclaim(struct fixture *fixture, size_t bytes)
+{
+    const struct server_reclaimer *fields = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
+    fields->reclaim(fields->user, bytes);
 }
 
 static void finds_what_has_landed(void **state)
@@ -115,11 +122,7 @@ static void one_builds_and_the_others_wait(void **state)
     assert_false(server_cache_is_awaited(flight));
     for (int i = 0; i < 3; i++) {
         test_job_init(&waiting[i], NULL);
-        if (i < 2)
-            assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &waiting[i].job, &none),
-                             SERVER_CACHE_WAIT);
-        else
-            assert_true(server_cache_join(fixture->shelf, &source, &waiting[i].job));
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &waiting[i].job, &none), SERVER_CACHE_WAIT);
     }
     assert_true(server_cache_is_awaited(flight));
     assert_null(find(fixture, 7));
@@ -130,7 +133,26 @@ static void one_builds_and_the_others_wait(void **state)
     }
     assert_int_equal(server_cache_statistics(fixture->cache).builds, 1);
     assert_int_equal(server_cache_statistics(fixture->cache).waits, 3);
-    assert_false(server_cache_join(fixture->shelf, &source, &waiting[0].job));
+}
+
+static void few_questions_are_not_worth_a_field(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) {
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+        server_cache_note(fixture->shelf, &source);
+    }
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_abandon(flight, true);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_unpin(land(fixture, flight, 7));
+    reclaim(fixture, AMPLE); /* an evicted field has to be earned again */
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
 }
 
 static void what_came_meanwhile_is_looked_at_again(void **state)
@@ -141,30 +163,15 @@ static void what_came_meanwhile_is_looked_at_again(void **state)
     struct test_job job;
     test_job_init(&job, NULL);
     add(fixture, 7);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, NULL, &job.job, &flight), SERVER_CACHE_AGAIN);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_AGAIN);
     assert_null(flight);
 }
 
-static void a_better_field_takes_the_place_of_the_old_one(void **state)
+/* Enters as one who has to wait. */
+static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
 {
-    struct fixture *fixture = *state;
-    struct gd_point source = vertex_point(fixture->mesh, 7);
-    struct server_flight *flight = NULL;
-    struct test_job job;
-    test_job_init(&job, NULL);
-    add(fixture, 7);
-    const struct server_cached *old = find(fixture, 7);
-    assert_int_equal(server_cache_enter(fixture->shelf, &source, old, &job.job, &flight), SERVER_CACHE_BUILD);
-    const struct server_cached *better = land(fixture, flight, 7), *found = find(fixture, 7);
-    assert_ptr_equal(found, better);
-    assert_ptr_not_equal(found, old);
-    assert_int_equal(server_shelf_count(fixture->shelf), 1);
-    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS],
-                     gd_field_memsize(old->field) + gd_field_memsize(better->field));
-    server_cache_unpin(old); /* its bytes go with its last pin */
-    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(better->field));
-    server_cache_unpin(better);
-    server_cache_unpin(found);
+    struct server_flight *none = NULL;
+    assert_int_equal(server_cache_enter(fixture->shelf, source, &job->job, &none), SERVER_CACHE_WAIT);
 }
 
 static void who_waits_for_one_that_gave_up_looks_again(void **state)
@@ -174,24 +181,26 @@ static void who_waits_for_one_that_gave_up_looks_again(void **state)
     struct server_flight *flight = enter(fixture, 7);
     struct test_job job;
     test_job_init(&job, NULL);
-    assert_true(server_cache_join(fixture->shelf, &source, &job.job));
-    server_cache_abandon(flight);
+    wait_for(fixture, &source, &job);
+    server_cache_abandon(flight, true);
     sem_wait(&job.done);
     assert_int_equal(job.runs, 1);
-    add(fixture, 7);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_unpin(land(fixture, flight, 7));
 }
 
-static void who_waits_for_one_that_failed_is_refused(void **state)
+static void who_waits_for_one_that_failed_does_without(void **state)
 {
     struct fixture *fixture = *state;
     struct gd_point source = vertex_point(fixture->mesh, 7);
     struct server_flight *flight = enter(fixture, 7);
     struct test_job job;
     test_job_init(&job, NULL);
-    assert_true(server_cache_join(fixture->shelf, &source, &job.job));
-    server_cache_fail(flight, SERVER_REFUSAL_MEMORY);
-    assert_int_equal(job.refusals, 1);
-    assert_int_equal(job.why, SERVER_REFUSAL_MEMORY);
+    wait_for(fixture, &source, &job);
+    server_cache_abandon(flight, false);
+    sem_wait(&job.done);
+    assert_int_equal(job.runs, 1);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
 }
 
 static void who_waits_has_a_deadline(void **state)
@@ -203,13 +212,13 @@ static void who_waits_has_a_deadline(void **state)
     test_job_init(&early, NULL);
     test_job_init(&late, NULL);
     early.job.deadline_ns = 1000;
-    assert_true(server_cache_join(fixture->shelf, &source, &late.job));
-    assert_true(server_cache_join(fixture->shelf, &source, &early.job));
+    wait_for(fixture, &source, &late);
+    wait_for(fixture, &source, &early);
     server_cache_expire(fixture->cache, 1000);
     assert_int_equal(early.refusals, 1);
     assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
     assert_true(server_cache_is_awaited(flight));
-    server_cache_abandon(flight);
+    server_cache_abandon(flight, true);
     sem_wait(&late.done);
     assert_int_equal(late.runs, 1);
 }
@@ -290,12 +299,6 @@ struct reader {
 };
 
 /* Asks for random sources, builds what is missing, takes memory away meanwhile. */
-static void reclaim(struct fixture *fixture, size_t bytes)
-{
-    const struct server_reclaimer *fields = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
-    fields->reclaim(fields->user, bytes);
-}
-
 static void *read_and_build(void *user)
 {
     struct reader *reader = user;
@@ -307,10 +310,11 @@ static void *read_and_build(void *user)
         struct server_flight *flight = NULL;
         struct test_job job;
         test_job_init(&job, NULL);
-        switch (server_cache_enter(fixture->shelf, &source, cached, &job.job, &flight)) {
+        ask_often(fixture->shelf, &source);
+        switch (server_cache_enter(fixture->shelf, &source, &job.job, &flight)) {
         case SERVER_CACHE_BUILD:
-            if (cached)
-                server_cache_abandon(flight);
+            if (step % 3 == 0)
+                server_cache_abandon(flight, step % 2);
             else
                 server_cache_unpin(land(fixture, flight, vertex));
             break;
@@ -318,7 +322,7 @@ static void *read_and_build(void *user)
             sem_wait(&job.done);
             break;
         case SERVER_CACHE_AGAIN:
-        case SERVER_CACHE_NO_MEMORY:
+        case SERVER_CACHE_SEARCH:
             break;
         }
         server_cache_unpin(cached);
@@ -346,9 +350,9 @@ int main(void)
         TEST(shelves_do_not_share),
         TEST(one_builds_and_the_others_wait),
         TEST(what_came_meanwhile_is_looked_at_again),
-        TEST(a_better_field_takes_the_place_of_the_old_one),
+        TEST(few_questions_are_not_worth_a_field),
         TEST(who_waits_for_one_that_gave_up_looks_again),
-        TEST(who_waits_for_one_that_failed_is_refused),
+        TEST(who_waits_for_one_that_failed_does_without),
         TEST(who_waits_has_a_deadline),
         TEST(closing_ends_the_fields_but_not_the_pins),
         TEST(evicts_what_is_least_used),

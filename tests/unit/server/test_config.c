@@ -54,13 +54,16 @@ static void has_defaults(void **state)
     assert_true(config.workers >= 1);
     assert_int_equal(config.log_level, SERVER_LOG_INFO);
     assert_string_equal(server_config_cpus[config.cpu], "auto");
+    assert_int_equal(config.landmarks, 16);
 }
 
 static void reads_flags_in_both_forms(void **state)
 {
     (void)state;
-    assert_int_equal(LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn", "--cpu", "avx2"),
-                     SERVER_CONFIG_RUN);
+    assert_int_equal(
+        LOAD("--workers", "3", "--max-body=10k", "--log-level", "warn", "--cpu", "avx2", "--landmarks", "0"),
+        SERVER_CONFIG_RUN);
+    assert_int_equal(config.landmarks, 0);
     assert_string_equal(server_config_cpus[config.cpu], "avx2");
     assert_int_equal(config.workers, 3);
     assert_int_equal(config.max_body, 10240);
@@ -106,6 +109,7 @@ static void refuses_what_makes_no_sense(void **state)
     assert_wrong(LOAD("serve"), "--help");
     assert_wrong(LOAD("--log-level", "loud"), "debug, info, warn or error");
     assert_wrong(LOAD("--cpu", "sse"), "auto, baseline, avx2 or avx512");
+    assert_wrong(LOAD("--landmarks", "17"), "0 to 16");
     assert_wrong(LOAD("--cpu", ""), "auto, baseline, avx2 or avx512");
     assert_wrong(LOAD("--listen", "8080"), "ADDR:PORT");
     assert_wrong(LOAD("--listen", "127.0.0.1:65536"), "port");

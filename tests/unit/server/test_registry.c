@@ -161,7 +161,8 @@ static void replacing_ends_the_fields(void **state)
     struct server_flight *flight;
     struct test_job job;
     test_job_init(&job, NULL);
-    assert_int_equal(server_cache_enter(a->shelf, &source, NULL, &job.job, &flight), SERVER_CACHE_BUILD);
+    ask_often(a->shelf, &source);
+    assert_int_equal(server_cache_enter(a->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
     struct gd_field *field = new_field(a->mesh, &source);
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
     server_cache_unpin(server_cache_land(flight, field));
@@ -171,6 +172,32 @@ static void replacing_ends_the_fields(void **state)
     assert_null(server_cache_find(a->shelf, &source));
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
     server_surface_release(a);
+}
+
+static void note_gone(void *user, const struct server_record *record)
+{
+    char *names = user;
+    strcat(names, record->name);
+}
+
+static void tells_what_is_gone_with_its_last_name(void **state)
+{
+    struct fixture *fixture = *state;
+    char names[16] = "";
+    server_registry_watch(fixture->registry, note_gone, names);
+    put(fixture, "a", "1");
+    put(fixture, "b", "1");
+    put(fixture, "c", "2");
+    put(fixture, "a", "1");
+    put(fixture, "a", "2"); /* "b" has it still */
+    assert_string_equal(names, "");
+    put(fixture, "b", "2");
+    assert_string_equal(names, "b");
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
+    assert_int_equal(server_registry_remove(fixture->registry, "b", &none), SERVER_STORE_DONE);
+    assert_string_equal(names, "b");
+    assert_int_equal(server_registry_remove(fixture->registry, "c", &none), SERVER_STORE_DONE);
+    assert_string_equal(names, "bc");
 }
 
 /* --- with a store that can give back what it was given ------------------------------------------------------------ */
@@ -316,6 +343,7 @@ int main(void)
         TEST(lists_in_order),
         TEST(preconditions_decide),
         TEST(replacing_ends_the_fields),
+        TEST(tells_what_is_gone_with_its_last_name),
         TEST(many_threads_at_once),
         STORED(what_the_store_refuses_changes_nothing),
         STORED(unused_ones_make_room_the_coldest_first),

@@ -1,5 +1,7 @@
 #include "support.h"
 
+#include <stdatomic.h>
+
 #include "gd/control.h"
 
 static void runs_what_is_submitted(void **state)
@@ -114,6 +116,87 @@ static void a_cancel_refuses_all_that_is_not_running(void **state)
     assert_int_equal(first.runs, 1);
 }
 
+static void the_background_waits_for_an_empty_queue(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, queued, background[2];
+    struct server_workers *workers = busy_workers(&first, &hold, 10);
+    for (int i = 0; i < 2; i++) {
+        test_job_init(&background[i], NULL);
+        server_workers_submit_background(workers, &background[i].job);
+    }
+    test_job_init(&queued, &hold);
+    assert_true(server_workers_submit(workers, &queued.job));
+    assert_int_equal(server_workers_load(workers).queued, 1);
+    sem_post(&hold);
+    sem_wait(&first.done);
+    while (server_workers_load(workers).queued) continue;
+    assert_int_equal(background[0].runs + background[1].runs, 0);
+    sem_post(&hold);
+    for (int i = 0; i < 2; i++) sem_wait(&background[i].done);
+    assert_int_equal(queued.runs, 1);
+    server_workers_destroy(workers);
+}
+
+struct patient_job {       /* yields until it is told to end */
+    struct server_job job; /* first */
+    struct server_workers *workers;
+    atomic_bool ends;
+    sem_t done;
+};
+
+static void run_patiently(struct server_job *job)
+{
+    struct patient_job *patient = (struct patient_job *)job;
+    while (!atomic_load(&patient->ends)) server_workers_yield(patient->workers);
+    sem_post(&patient->done);
+}
+
+static void the_background_runs_what_no_other_thread_is_free_for(void **state)
+{
+    (void)state;
+    struct test_job jobs[8];
+    struct patient_job patient = {.job = {.run = run_patiently, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    sem_init(&patient.done, 0, 0);
+    for (uint32_t threads = 1; threads <= 2; threads++) {
+        patient.workers = server_workers_create(threads, 100);
+        atomic_store(&patient.ends, false);
+        server_workers_submit_background(patient.workers, &patient.job);
+        while (!server_workers_load(patient.workers).background) continue;
+        for (size_t i = 0; i < COUNT(jobs); i++) {
+            test_job_init(&jobs[i], NULL);
+            assert_true(server_workers_submit(patient.workers, &jobs[i].job));
+        }
+        for (size_t i = 0; i < COUNT(jobs); i++) sem_wait(&jobs[i].done);
+        atomic_store(&patient.ends, true);
+        sem_wait(&patient.done);
+        server_workers_destroy(patient.workers);
+        for (size_t i = 0; i < COUNT(jobs); i++) assert_int_equal(jobs[i].runs, 1);
+    }
+}
+
+static void the_background_can_be_refused(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, waiting, cancelled, late;
+    struct server_workers *workers = busy_workers(&first, &hold, 10);
+    test_job_init(&waiting, NULL);
+    test_job_init(&cancelled, NULL);
+    test_job_init(&late, NULL);
+    server_workers_submit_background(workers, &waiting.job);
+    server_workers_refuse_background(workers, SERVER_REFUSAL_MEMORY);
+    assert_int_equal(waiting.refusals, 1);
+    assert_int_equal(waiting.why, SERVER_REFUSAL_MEMORY);
+    server_workers_submit_background(workers, &cancelled.job);
+    server_workers_cancel(workers);
+    server_workers_submit_background(workers, &late.job);
+    assert_int_equal(cancelled.refusals + late.refusals, 2);
+    sem_post(&hold);
+    server_workers_destroy(workers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -122,6 +205,9 @@ int main(void)
         cmocka_unit_test(a_deadline_is_kept_in_the_queue),
         cmocka_unit_test(a_job_whose_deadline_has_passed_is_not_begun),
         cmocka_unit_test(a_cancel_refuses_all_that_is_not_running),
+        cmocka_unit_test(the_background_waits_for_an_empty_queue),
+        cmocka_unit_test(the_background_runs_what_no_other_thread_is_free_for),
+        cmocka_unit_test(the_background_can_be_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* Builds a field in the borrowed workspace, as server/field_build.c does. */
+/* Builds a field in the borrowed workspace, as server/call.c does. */
 static void use(struct fixture *fixture, struct server_loan *loan, uint32_t vertex)
 {
     const struct gd_seed seed = {.point = vertex_point(fixture->mesh, vertex)};

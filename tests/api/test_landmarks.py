@@ -1,0 +1,152 @@
+"""Landmarks: answers are the same with them; they come in idle time, outlive a restart, go for room and with their mesh."""
+import pathlib
+import random
+import tempfile
+import unittest
+
+from harness import SQUARE, Daemon, TestCase, sample
+
+
+def rough():
+    """Rough enough for landmarks to matter."""
+    return sample("terrain", cells=64, amplitude=1)
+
+
+def random_pairs(faces, count, seed):
+    chance = random.Random(seed)
+    for _ in range(count):
+        yield f"from=f:{chance.randrange(faces)}:0.2,0.3,0.5&to=f:{chance.randrange(faces)}:0.6,0.3,0.1"
+
+
+class Answers(unittest.TestCase):
+    FILES = {"terrain": rough(), "ball": sample("icosphere", level=4), "torus": sample("torus")}
+
+    def ask(self, landmarks):
+        bodies = []
+        with Daemon("--landmarks", str(landmarks)) as daemon:
+            for number, (name, file) in enumerate(self.FILES.items()):
+                faces = daemon.put(name, file).json["faces"]
+                daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:1")
+                if landmarks:
+                    daemon.wait_for("landmarks_built_total", number + 1)
+                for pair in random_pairs(faces, 40, number):
+                    answer = daemon.get(f"/v1/meshes/{name}/path?{pair}")
+                    self.assertEqual(answer.status, 200, answer)
+                    bodies.append(answer.json)
+            self.assertEqual(daemon.metric("landmarks_built_total"), len(self.FILES) if landmarks else 0)
+            self.assertEqual(daemon.metric("cache_builds_total"), 0)
+        return bodies
+
+    def test_they_are_the_same_with_landmarks_and_without(self):
+        without = self.ask(0)
+        for count in (1, 16):
+            for plain, guided in zip(without, self.ask(count)):
+                self.assertAlmostEqual(plain["distance"], guided["distance"], 12)
+                self.assertAlmostEqual(guided["path"]["length"], guided["distance"], 12)
+
+
+class Life(TestCase):
+    flags = ("--workers", "1", "--memory-budget", "64MiB", "--max-body", "8MiB")
+
+    def test_they_go_for_room_and_come_back(self):
+        faces = self.daemon.put("rough", rough()).json["faces"]
+        self.daemon.get("/v1/meshes/rough/distance?from=v:0&to=v:9")
+        self.daemon.wait_for("landmarks_built_total")
+        self.assertRegex(self.daemon.get("/metrics").body.decode(), r'memory_bytes\{class="landmarks"\} [1-9]')
+        for source in range(0, faces, faces // 40):  # more fields than there is room for
+            point = f"f:{source}:0.2,0.3,0.5"
+            self.daemon.ask_often("rough", point)
+            self.assertEqual(self.daemon.get(f"/v1/meshes/rough/distance?from={point}&to=v:0").status, 200)
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+        self.assertGreater(self.daemon.metric("landmarks_dropped_total"), 0)
+
+    def test_requests_do_not_wait_for_them(self):
+        """With a single worker: the background runs the requests between two steps of its own."""
+        self.daemon.put("slow", sample("terrain", cells=128, amplitude=1))
+        built = self.daemon.metric("landmarks_built_total")
+        self.daemon.get("/v1/meshes/slow/distance?from=v:0&to=v:1")
+        self.daemon.wait_for("workers_background")
+        self.daemon.put("square", SQUARE)
+        for _ in range(50):
+            self.assertEqual(self.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2").status, 200)
+        self.assertEqual(self.daemon.metric("landmarks_built_total"), built, "too fast to watch")
+
+    def test_a_mesh_that_is_deleted_meanwhile(self):
+        self.daemon.put("gone", sample("terrain", cells=128, amplitude=1))
+        self.daemon.get("/v1/meshes/gone/distance?from=v:0&to=v:1")
+        self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/gone").status, 204)
+        while self.daemon.metric("workers_background"):
+            pass
+        self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+
+
+class Stored(unittest.TestCase):
+    URL = "/v1/meshes/ball/distance?from=v:7&to=p:0,0,-9"
+
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.place.name) / "data"
+
+    def tearDown(self):
+        self.place.cleanup()
+
+    def start(self, *flags):
+        return Daemon("--data-dir", str(self.folder), *flags)
+
+    def files(self):
+        return list(self.folder.glob("fields/*/*.landmarks"))
+
+    def build(self):
+        with self.start() as daemon:
+            daemon.put("ball", sample("icosphere", level=4))
+            daemon.get(self.URL)
+            daemon.wait_for("landmarks_built_total")
+
+    def assert_they_come(self, built, loaded, *flags):
+        with self.start(*flags) as daemon:
+            self.assertEqual(daemon.get(self.URL).status, 200)
+            daemon.wait_for("landmarks_built_total" if built else "landmarks_loaded_total")
+            self.assertEqual(daemon.metric("landmarks_built_total"), built)
+            self.assertEqual(daemon.metric("landmarks_loaded_total"), loaded)
+
+    def test_a_restart_keeps_them(self):
+        self.build()
+        self.assert_they_come(0, 1)
+        self.assert_they_come(0, 1, "--persist-fields")
+        self.assert_they_come(0, 1)
+        self.assertEqual(len(self.files()), 1)
+
+    def test_another_number_of_them_is_built(self):
+        self.build()
+        self.assert_they_come(1, 0, "--landmarks", "4")
+        self.assert_they_come(0, 1, "--landmarks", "4")
+        self.assertEqual(len(self.files()), 1)
+
+    def test_a_damaged_file_is_built_again(self):
+        self.build()
+        for damage in (lambda data: data[:1000], lambda data: b"", lambda data: data[:-1] + b"\1"):
+            [file] = self.files()
+            file.write_bytes(damage(file.read_bytes()))
+            self.assert_they_come(1, 0)
+            self.assert_they_come(0, 1)
+
+    def test_their_file_goes_with_the_mesh(self):
+        self.build()
+        with self.start() as daemon:
+            daemon.put("twin", sample("icosphere", level=4))
+            self.assertEqual(daemon.request("DELETE", "/v1/meshes/ball").status, 204)
+            self.assertEqual(len(self.files()), 1, "another name has the same mesh")
+            daemon.put("twin", SQUARE)
+            self.assertEqual(self.files(), [])
+
+    def test_a_stop_does_not_wait_for_them(self):
+        with self.start() as daemon:
+            daemon.put("slow", sample("terrain", cells=256, amplitude=1))
+            daemon.get("/v1/meshes/slow/distance?from=v:0&to=v:1")
+            daemon.wait_for("workers_background")
+        self.assertEqual(daemon.log[-1]["event"], "stopped")
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
