@@ -98,6 +98,27 @@ static enum gd_status measure(struct column *column, uint32_t vertex, const stru
     return gd__wavefront_run(column->landmarks->mesh, &propagation, &sink, control, NULL);
 }
 
+/* The caller's control for one of several propagations: what the landmarks hold is off the budget, and progress goes on where the last one ended. */
+struct leg_of_work {
+    const struct gd_control *control;
+    uint32_t done, total;
+};
+
+static bool report(void *user, double fraction)
+{
+    const struct leg_of_work *leg = user;
+    return leg->control->progress(leg->control->user, (leg->done + fraction) / leg->total);
+}
+
+static struct gd_control share_of(const struct gd_control *control, struct leg_of_work *leg, size_t held)
+{
+    struct gd_control own = control ? *control : (struct gd_control){0};
+    if (own.budget_bytes) own.budget_bytes -= held;
+    own.progress = own.progress ? report : NULL;
+    own.user = leg;
+    return own;
+}
+
 /* Other components first: they are as far as can be. */
 static uint32_t farthest(const double *nearest, uint32_t count)
 {
@@ -107,20 +128,23 @@ static uint32_t farthest(const double *nearest, uint32_t count)
     return best;
 }
 
-static enum gd_status measure_all(struct column *column, const struct gd_control *control)
+static enum gd_status measure_all(struct column *column, const struct gd_control *control, size_t held)
 {
     uint32_t vertices = column->landmarks->mesh->vertex_count;
+    struct leg_of_work leg = {.control = control, .total = column->landmarks->count + 1};
+    struct gd_control own = share_of(control, &leg, held);
     for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++) column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
     enum gd_status status =
-        measure(column, 0, control); /* an arbitrary place: only the farthest from it becomes a landmark */
+        measure(column, 0, &own); /* an arbitrary place: only the farthest from it becomes a landmark */
     uint32_t first = 0;
     for (uint32_t v = 0; v < vertices; v++)
         if (column->nearest[v] < GD__FAR && column->nearest[v] > column->nearest[first]) first = v;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
     for (uint32_t i = 0; i < column->landmarks->count && !status; i++) {
         column->index = i;
-        status = measure(column, i ? farthest(column->nearest, vertices) : first, control);
+        leg.done = i + 1;
+        status = measure(column, i ? farthest(column->nearest, vertices) : first, &own);
     }
     return status;
 }
@@ -129,9 +153,12 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, co
                                   struct gd_landmarks **out)
 {
     if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
+    size_t held = bytes_of(mesh) + sizeof(double) * mesh->vertex_count;
+    enum gd_status status = gd_control_afford(control, held + 1); /* a budget of nothing would be none */
+    if (status) return status;
     struct column column = {.landmarks = create(mesh, count),
                             .nearest = malloc(sizeof *column.nearest * mesh->vertex_count)};
-    enum gd_status status = column.landmarks && column.nearest ? measure_all(&column, control) : GD_NO_MEMORY;
+    status = column.landmarks && column.nearest ? measure_all(&column, control, held) : GD_NO_MEMORY;
     free(column.nearest);
     if (status)
         gd_landmarks_release(column.landmarks);

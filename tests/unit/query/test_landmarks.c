@@ -107,6 +107,31 @@ static bool never(void *user, double fraction)
     return false;
 }
 
+/* Reports go up, from landmark to landmark. */
+static bool watch(void *user, double fraction)
+{
+    double *last = user;
+    assert_true(fraction >= *last && fraction <= 1);
+    *last = fraction;
+    return true;
+}
+
+static void progress_goes_up(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(5);
+    struct gd_landmarks *landmarks;
+    double last = 0;
+    struct gd_control control = {.progress = watch, .user = &last};
+    check_ok(gd_landmarks_build(mesh, 6, &control, &landmarks), NULL);
+    assert_true(last > 0.8);
+    size_t held = gd_landmarks_memsize(landmarks);
+    gd_landmarks_release(landmarks);
+    control = (struct gd_control){.budget_bytes = held};
+    assert_int_equal(gd_landmarks_build(mesh, 6, &control, &landmarks), GD_BUDGET);
+    gd_mesh_release(mesh);
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -126,6 +151,6 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(bounds_hold), cmocka_unit_test(survive_being_stored),
-                                       cmocka_unit_test(refusals)};
+                                       cmocka_unit_test(refusals), cmocka_unit_test(progress_goes_up)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
