@@ -359,7 +359,6 @@ static void join_neighbours(const struct gd__windows *list, uint32_t count, stru
             in->end = in->count - 1;
         }
     }
-    if (in->at.last < in->skip) in->at.last = in->skip;
     if (in->at.first > in->end) in->at.first = in->end;
 }
 
