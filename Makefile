@@ -210,7 +210,7 @@ fuzz-build:
 	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
 	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
-$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/obj/tests/fuzz/reader.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
 torture: build ## the fault tests in their long forms (an hour)

@@ -45,7 +45,10 @@ enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *
 {
     struct gd_pair_answer answer = {0};
     enum gd_status status = gd__search(mesh, from, to, want_path, landmarks, control, &answer);
-    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (status) {
+        gd_pair_answer_free(&answer);
+        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    }
     if (answer.path.count) reverse(&answer.path);
     *out = answer;
     return GD_OK;

@@ -13,6 +13,7 @@ import subprocess
 import threading
 import time
 import unittest
+import weakref
 
 PROGRAM = pathlib.Path(os.environ.get("GEODESICD", "build/geodesicd")).resolve()
 START_SECONDS = 20  # sanitizers are slow to start
@@ -55,6 +56,7 @@ class Daemon:
         store = () if "--data-dir" in flags else ("--store", "memory")
         self.log = []
         self.process = subprocess.Popen([PROGRAM, "--listen", listen, *store, *flags], stderr=subprocess.PIPE, text=True)
+        weakref.finalize(self, self.process.kill)  # a test that fails leaves no daemon behind to hold its output open
         self._listening = threading.Event()
         self._reader = threading.Thread(target=self._read_log, daemon=True)
         self._reader.start()

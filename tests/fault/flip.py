@@ -11,21 +11,64 @@ import random
 import shutil
 import sys
 import tempfile
+import time
 
-from common import Shimmed, mesh
+from common import Shimmed, harness, mesh
 
 MESHES = {"a": mesh(1.5), "b": mesh(0.75, 4000), "same": mesh(1.5), "c": mesh(2.25, 300)}
-FLAGS = ("--persist-fields",)
+FLAGS = ("--persist-fields", "--landmarks", "2")
+SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # what the answers' fields are about
+
+
+def grid(cells):
+    """A square of that many unit cells a side: large enough to get landmarks (server/landmarks.c). Distances along its edges are whole numbers."""
+    row = cells + 1
+    vertices = [f"v {i % row} {i // row} 0\n" for i in range(row * row)]
+    corners = [i * row + k + 1 for i in range(cells) for k in range(cells)]
+    faces = [f"f {v} {v + 1} {v + row + 1}\nf {v} {v + row + 1} {v + row}\n" for v in corners]
+    return "".join(vertices + faces).encode()
+
+
+LARGE = grid(33)
+SEARCH = "distance?from=v:2&to=v:3"  # about other points, so that landmarks are used
+QUERIES = (f"distance?from={SOURCES[0]}&to=v:1", f"path?from={SOURCES[1]}&to=v:3", SEARCH)
+
+
+def warm(daemon):
+    """Asks until the fields and landmarks that are to be damaged are there."""
+    for name in ("large", *MESHES):
+        for source in SOURCES:
+            daemon.ask_often(name, source)
+        for query in QUERIES:
+            daemon.get(f"/v1/meshes/{name}/{query}")
+    get_landmarks(daemon)
+
+
+def get_landmarks(daemon):
+    """Until the large mesh has its landmarks, be they loaded or, for want of good ones, built; a search makes it want them."""
+    if daemon.get(f"/v1/meshes/large/{SEARCH}").status != 200:
+        return
+    until = time.monotonic() + harness.PATIENCE_SECONDS
+    while not daemon.metric("landmarks_loaded_total") + daemon.metric("landmarks_built_total"):
+        if time.monotonic() > until:
+            raise TimeoutError("the large mesh got no landmarks")
+        time.sleep(0.005)
+
+
+def has_all_kinds(folder):
+    """Are there fields and landmarks to be damaged?"""
+    return all(any(folder.rglob("*" + suffix)) for suffix in (".field", ".landmarks"))
 
 
 def answers(daemon):
     """What a client can see: descriptions, contents, distances. Each is a status and a body."""
     seen = {}
+    get_landmarks(daemon)
     for item in daemon.get("/v1/meshes?limit=100").json["meshes"]:
         item.pop("fields_cached")
         seen["description", item["name"]] = (200, item)
-    for name in ("gone", *MESHES):
-        for query in ("distance?from=v:0&to=v:1", "path?from=f:0:0.2,0.3,0.5&to=v:3", "content"):
+    for name in ("gone", "large", *MESHES):
+        for query in QUERIES + ("content",):
             answer = daemon.get(f"/v1/meshes/{name}/{query}")
             body = answer.json if answer.status >= 400 else answer.body
             seen[query, name] = (answer.status, body.get("code") if isinstance(body, dict) else body)
@@ -36,9 +79,9 @@ def prepare(place):
     """A folder that was closed, and one whose daemon was killed, so that the database's log is full; their answers."""
     closed, killed = place / "closed", place / "killed"
     daemon = Shimmed(closed, *FLAGS)
-    for name, body in [("gone", mesh(9)), *MESHES.items()]:
+    for name, body in [("gone", mesh(9)), ("large", LARGE), *MESHES.items()]:
         daemon.put(name, body)
-    expected = answers(daemon)
+    warm(daemon)
     daemon.stop()
     daemon = Shimmed(closed, *FLAGS)
     daemon.request("DELETE", "/v1/meshes/gone")
@@ -47,6 +90,8 @@ def prepare(place):
     shutil.copytree(closed, killed)
     expected = answers(daemon)
     daemon.stop()
+    if not has_all_kinds(closed) or not has_all_kinds(killed):
+        raise RuntimeError("there are no persisted fields or landmarks to damage")
     return (closed, killed), expected
 
 

@@ -1,3 +1,3 @@
-#include "reader.h"
+#include "tests/fuzz/reader.h"
 
 FUZZ_READER(STL)

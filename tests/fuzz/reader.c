@@ -1,6 +1,6 @@
 /* What the fuzzers of the readers share: whatever is read must keep its promises and survive the way through every writer that keeps
  * doubles. */
-#include "reader.h"
+#include "tests/fuzz/reader.h"
 
 #include <stdlib.h>
 #include <string.h>
