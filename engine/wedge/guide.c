@@ -7,7 +7,8 @@
 #include "base/tolerance.h"
 #include "wedge/workspace.h"
 
-/* A path that is a little too long will do: with the rest of the way weighed heavier, A* finds it at a fraction of the cost. */
+/* A path that is a little too long will do: with the straight line to the start weighed heavier, A* finds it at a fraction of the cost. What landmarks
+ * say of the rest of the way is close enough as it is. */
 #define GREED 1.1
 
 /* --- anchors ------------------------------------------------------------------------------------------------------------- */
@@ -110,14 +111,14 @@ static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Branchless over a fixed number of them, so that compilers use vectors. */
-static double by_landmarks(const struct gd__guide *guide, uint32_t vertex)
+/* Lower bound of the way from a vertex to the point that the bounds are of. Branchless over a fixed number of landmarks, so that compilers use vectors. */
+static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight, uint32_t vertex)
 {
     const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
     float bound[GD__LANDMARKS_MOST];
     for (int i = 0; i < GD__LANDMARKS_MOST; i++) {
         float d = distance[i], slack = (float)GD_TOL_FLOAT * d;
-        float nearer = guide->landmark_low[i] - d - slack, farther = d - slack - guide->landmark_high[i];
+        float nearer = sight->low[i] - d - slack, farther = d - slack - sight->high[i];
         bound[i] = nearer > farther ? nearer : farther;
     }
     for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
@@ -129,25 +130,24 @@ double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
 {
     double lower =
         straight(&guide->mesh->position[vertex], &guide->target.position) * (1 - GD_TOL_BOUND) - guide->margin;
-    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, vertex));
+    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
     if (lower < 0) lower = 0;
     if (touch(guide, vertex)) return lower; /* without memory it is measured again */
     return guide->node[vertex].lower = lower;
 }
 
-/* Bounds of the target's distance from each landmark, from those of its corners; landmarks in other components say nothing. */
-static void read_landmarks(struct gd__guide *guide)
+/* A point's bounds, from those of its corners; landmarks in other components say nothing. */
+static void read_landmarks(const struct gd__guide *guide, const struct gd__anchor *point, struct gd__guide_sight *out)
 {
     for (uint32_t i = 0; i < GD__LANDMARKS_MOST; i++) {
         double low = -HUGE_VAL, high = HUGE_VAL;
-        for (int k = 0; k < 4 && guide->landmark && guide->target.corner[k] != GD_NONE; k++) {
-            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * guide->target.corner[k] + i],
-                   slack = GD_TOL_FLOAT * d;
-            low = fmax(low, d - slack - guide->target.leg[k]);
-            high = fmin(high, d + slack + guide->target.leg[k]);
+        for (int k = 0; k < 4 && guide->landmark && point->corner[k] != GD_NONE; k++) {
+            double d = guide->landmark[(size_t)GD__LANDMARKS_MOST * point->corner[k] + i], slack = GD_TOL_FLOAT * d;
+            low = fmax(low, d - slack - point->leg[k]);
+            high = fmin(high, d + slack + point->leg[k]);
         }
-        guide->landmark_low[i] = (float)(low * (1 - GD_TOL_FLOAT));
-        guide->landmark_high[i] = (float)(high * (1 + GD_TOL_FLOAT));
+        out->low[i] = (float)(low * (1 - GD_TOL_FLOAT));
+        out->high[i] = (float)(high * (1 + GD_TOL_FLOAT));
     }
 }
 
@@ -187,8 +187,9 @@ static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, uint32_t p
     node->upper = upper;
     node->parent = parent;
     node->closed = false;
-    double rest = straight(&guide->mesh->position[vertex], from);
-    guide->heap[guide->heap_count] = (struct gd__guide_entry){upper + GREED * rest, vertex};
+    double rest = GREED * straight(&guide->mesh->position[vertex], from);
+    if (guide->landmark) rest = fmax(rest, by_landmarks(guide, &guide->from_start, vertex));
+    guide->heap[guide->heap_count] = (struct gd__guide_entry){upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
 }
@@ -286,7 +287,8 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     guide->target = gd__anchor(mesh, to);
     guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position), largest_coordinate(start.position));
     guide->in_corridor_only = false;
-    read_landmarks(guide);
+    read_landmarks(guide, &guide->target, &guide->from_target);
+    read_landmarks(guide, &start, &guide->from_start);
     status = search(guide, &start, upper);
     if (!status && *upper < GD__FAR) *upper *= 1 + GD_TOL_BOUND;
     return status;

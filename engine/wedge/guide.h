@@ -25,6 +25,11 @@ struct gd__guide_node {
     bool in_corridor, closed, touched;
 };
 
+/* Bounds of a point's distance from each landmark. */
+struct gd__guide_sight {
+    float low[GD__LANDMARKS_MOST], high[GD__LANDMARKS_MOST];
+};
+
 struct gd__guide_entry {
     double key;
     uint32_t vertex;
@@ -42,8 +47,7 @@ struct gd__guide {
     struct gd__guide_entry *heap;
     uint32_t heap_count, heap_capacity;
     const float *landmark; /* GD__LANDMARKS_MOST for each vertex, 0 where there is none; NULL: none */
-    float landmark_low[GD__LANDMARKS_MOST],
-        landmark_high[GD__LANDMARKS_MOST]; /* bounds of the target's distance from each */
+    struct gd__guide_sight from_target, from_start;
 };
 
 /* Aims at `to`, all zero or used before, and finds paths to it from what lies between it and `from`. *upper: the length of a path between them,

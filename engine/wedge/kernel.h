@@ -9,12 +9,14 @@
 #include "wedge/wedges.h"
 #include "wedge/list.h"
 
-/* The best way found to the apex of a side through one of its windows. */
+/* The best straight way found to the apex of a side through one of its windows, and which windows pass beside it. */
 struct gd__apex {
     double distance; /* in: what the apex has; out: shorter, if a way is */
     bool improved;
     double x, y; /* struct gd__birth */
     uint32_t source;
+    uint32_t last_left,
+        first_right; /* the last window that lies to its left, the first one to its right; in: GD_NONE */
 };
 
 struct gd__kernel {

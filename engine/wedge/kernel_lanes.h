@@ -270,12 +270,12 @@ struct group {
 /* Lanes that see the source of the window before them and go on where it ends. */
 static inline mask find_joined(const struct chain *chain, const struct group *g, mask active)
 {
-    mask same = both(active, both(ids_eq(g->source, ids_after(chain->source, g->source)),
-                                  eq(g->sigma, after(chain->sigma, g->sigma))));
-    if (!any(same)) return same;
     lanes x = after(chain->offered_x, g->x), y = after(chain->offered_y, g->y),
           tolerance = all(GD_TOL_SAME_SOURCE) * (y + magnitude(x));
-    same = both(same, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
+    mask same = both(active, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
+    if (!any(same)) return same;
+    same = both(same, both(ids_eq(g->source, ids_after(chain->source, g->source)),
+                           eq(g->sigma, after(chain->sigma, g->sigma))));
     lanes b0 = after(chain->offered_b0, g->b0), b1 = after(chain->b1, g->b1);
     lanes reach = g->b0 - all(GD_TOL_ADJACENT) * (g->b1 - g->b0) - all(chain->width);
     return both(same, both(ge(b1, reach), both(le(b0, g->b0), ge(g->b1, b1))));
@@ -389,27 +389,20 @@ static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, d
 
 /* --- casting ------------------------------------------------------------------------------------------------------------- */
 
-/* Offers the apex, by turns, the lengths of the ways through the windows of `offers`: straight where it is visible, else round the window's nearer
- * end, which closes gaps. */
-static void reach_apex(struct gd__apex *apex, const struct gd__windows *w, uint32_t i, mask offers, mask sees_left,
-                       mask sees_right, lanes px, lanes py)
+/* Offers the apex the lengths of straight ways, by turns. */
+static inline void reach_straight(struct gd__apex *apex, const struct gd__windows *w, uint32_t i, mask offers,
+                                  lanes ways)
 {
-    lanes x = load(w->x + i), y = load(w->y + i), sigma = load(w->sigma + i), hx = px - x, hy = py + y;
-    mask straight = both(sees_left, sees_right);
-    lanes end = pick(sees_left, load(w->b1 + i), load(w->b0 + i)), ex = end - x, fx = px - end;
-    lanes bent = sigma + root(ex * ex + y * y) + root(fx * fx + py * py);
-    double distance[LANES], ends[LANES];
-    store(distance, pick(straight, sigma + root(hx * hx + hy * hy), bent));
-    store(ends, end);
+    double distance[LANES];
+    store(distance, ways);
     for (uint32_t left = bits(offers); left; left &= left - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(left), at = i + lane;
         if (distance[lane] >= apex->distance * (1 - GD_TOL_BETTER)) continue;
-        bool bends = !(bits(straight) >> lane & 1);
         apex->distance = distance[lane];
         apex->improved = true;
-        apex->x = bends ? ends[lane] : w->x[at];
-        apex->y = bends ? 0 : w->y[at];
-        apex->source = bends ? GD_NONE : w->source[at];
+        apex->x = w->x[at];
+        apex->y = w->y[at];
+        apex->source = w->source[at];
     }
 }
 
@@ -430,9 +423,11 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
         lanes e0 = b0 - x, e1 = b1 - x, hx = px - x, hy = py + y, turn = y * hx, k0 = e0 * hy - turn,
               k1 = e1 * hy - turn;
 
-        lanes room = all(apex->distance) - sigma;
-        mask offers = both(active, both(gt(room, zero), lt(hx * hx + hy * hy, room * room)));
-        if (any(offers)) reach_apex(apex, w, i, offers, le(k0, zero), ge(k1, zero), px, py);
+        mask passes_left = both(active, lt(k1, zero)), passes_right = both(active, gt(k0, zero)),
+             straight = except(active, either(passes_left, passes_right));
+        if (any(straight)) reach_straight(apex, w, i, straight, sigma + root(hx * hx + hy * hy));
+        if (any(passes_left)) apex->last_left = i + last_set(passes_left);
+        if (any(passes_right) && apex->first_right == GD_NONE) apex->first_right = i + first_set(passes_right);
 
         mask to_left = both(active, lt(k0, zero));
         if (any(to_left)) {

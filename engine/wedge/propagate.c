@@ -27,6 +27,22 @@ static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, 
     gd__wavefront_deliver(front, to, children);
 }
 
+/* Offers the apex the way round the end of a window beside it. It counts where the window that would see the apex has been cut off by rounding: the
+ * two that the apex lies between are all there is to ask. */
+static void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd__windows *w, uint32_t at, double end)
+{
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, x = w->x[at], y = w->y[at];
+    double room = apex->distance - w->sigma[at], hx = px - x, hy = py + y;
+    if (!(room > 0 && hx * hx + hy * hy < room * room)) return;
+    double ex = end - x, fx = px - end, distance = w->sigma[at] + sqrt(ex * ex + y * y) + sqrt(fx * fx + py * py);
+    if (distance >= apex->distance * (1 - GD_TOL_BETTER)) return;
+    apex->distance = distance;
+    apex->improved = true;
+    apex->x = end;
+    apex->y = 0;
+    apex->source = GD_NONE;
+}
+
 /* Casts the windows of a side with a face. */
 static void cast(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__windows *windows,
                  uint32_t count)
@@ -38,9 +54,11 @@ static void cast(struct gd__wavefront *front, const struct gd__receiver *at, con
     if (!front->status) front->status = gd__children_reserve(&front->work->right, &front->work->pool, count);
     if (front->status) return;
     front->effort.windows_propagated += count;
-    struct gd__apex apex = {.distance = front->distance[vertex]};
+    struct gd__apex apex = {.distance = front->distance[vertex], .last_left = GD_NONE, .first_right = GD_NONE};
     front->kernel->cast(s, windows, count, !front->methods.no_coalescing, &apex, &front->work->left,
                         &front->work->right);
+    if (apex.last_left != GD_NONE) bend(&apex, s, windows, apex.last_left, windows->b1[apex.last_left]);
+    if (apex.first_right != GD_NONE) bend(&apex, s, windows, apex.first_right, windows->b0[apex.first_right]);
     if (apex.improved) {
         struct gd__birth birth = {.x = apex.x, .y = apex.y, .side = side, .source = apex.source};
         gd__wavefront_reach(front, vertex, apex.distance, birth);

@@ -320,7 +320,7 @@ static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_sid
     w.b0 += first, w.b1 += first, w.x += first, w.y += first, w.sigma += first, w.source += first;
     check_ok(gd__children_reserve(&left[result], &pool, count), NULL);
     check_ok(gd__children_reserve(&right[result], &pool, count), NULL);
-    struct gd__apex apex = {.distance = known};
+    struct gd__apex apex = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
     kernel->cast(side, &w, count, coalesce, &apex, &left[result], &right[result]);
     return apex;
 }
@@ -333,15 +333,20 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* The best way to the apex through a window, by the definition. */
-static double apex_through(const struct gd_side *s, const struct gd__window *w)
+/* Which windows pass beside the apex, and the best straight way to it through the others, by the definition. */
+static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
+    struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-    double k0 = (w->b0 - w->x) * (py + w->y) - w->y * (px - w->x),
-           k1 = (w->b1 - w->x) * (py + w->y) - w->y * (px - w->x);
-    if (k0 <= 0 && k1 >= 0) return w->sigma + hypot(px - w->x, py + w->y);
-    double b = k0 <= 0 ? w->b1 : w->b0;
-    return gd__window_distance(w, b) + hypot(px - b, py);
+    for (uint32_t i = 0; i < list.count; i++) {
+        const struct gd__window *w = &list.windows[i];
+        double k0 = (w->b0 - w->x) * (py + w->y) - w->y * (px - w->x),
+               k1 = (w->b1 - w->x) * (py + w->y) - w->y * (px - w->x);
+        if (k1 < 0) best.last_left = i;
+        if (k0 > 0 && best.first_right == GD_NONE) best.first_right = i;
+        if (k0 <= 0 && k1 >= 0) best.distance = fmin(best.distance, w->sigma + hypot(px - w->x, py + w->y));
+    }
+    return best;
 }
 
 /* Children before `tangled` are sorted and disjoint; the others need no order yet. */
@@ -384,21 +389,22 @@ static void cast_list(struct rng *rng, double unused)
         struct gd__apex again = cast(kernels[k], &side, 0, list.count, coalesce, known, 1);
         assert_memory_equal(&again.distance, &apex.distance, sizeof apex.distance);
         assert_true(again.improved == apex.improved);
+        assert_true(again.last_left == apex.last_left && again.first_right == apex.first_right);
         if (apex.improved) assert_true(again.x == apex.x && again.y == apex.y && again.source == apex.source);
         check_same_children(&left[1], &left[0]);
         check_same_children(&right[1], &right[0]);
     }
     check_order(&left[0], side.left_length);
     check_order(&right[0], side.right_length);
-    double best = known;
+    struct gd__apex best = look_at_apex(&side, known);
     struct gd__stack alone[2] = {{0}, {0}};
     for (uint32_t i = 0; i < list.count; i++) {
-        best = fmin(best, apex_through(&side, &list.windows[i]));
         cast(kernels[0], &side, i, 1, false, 1e300, 1);
         for (uint32_t k = 0; k < left[1].count; k++) append_window(&alone[0], gd__windows_get(&left[1].at, k));
         for (uint32_t k = 0; k < right[1].count; k++) append_window(&alone[1], gd__windows_get(&right[1].at, k));
     }
-    check_close(apex.distance, best, 3e-14);
+    check_close(apex.distance, best.distance, 3e-14);
+    assert_true(apex.last_left == best.last_left && apex.first_right == best.first_right);
     assert_true(apex.improved == (apex.distance < known));
     cast_children += left[0].count + right[0].count;
     cast_joined += alone[0].count + alone[1].count - left[0].count - right[0].count;
