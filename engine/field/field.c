@@ -98,30 +98,57 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const str
     return GD_OK;
 }
 
-enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                              const struct gd_control *control, const struct gd_executor *executor,
-                              struct gd_field **out, struct gd_detail *detail)
+static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request, bool without_wedges,
+                                const struct gd_control *control, const struct gd_executor *executor)
 {
-    enum gd_status status = check_request(request, detail);
-    if (status) return status;
     uint64_t start = gd_now_ns();
-    struct gd_field *field = gd__field_create(mesh);
-    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    struct gd__sink keep_wedges = {.take = gd__field_take, .user = field};
-    status = copy_seeds(field, request);
+    const struct gd_mesh *mesh = field->mesh;
+    struct gd__sink take = {.take = gd__field_take, .user = field};
+    enum gd_status status = copy_seeds(field, request);
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
                                           .radius = request->radius > 0 ? request->radius / mesh->unit : GD__FAR,
-                                          .target = request->target};
-    if (!status) status = gd__wavefront_run(mesh, &propagation, &keep_wedges, control, executor);
+                                          .target = request->target,
+                                          .without_wedges = without_wedges};
+    if (!status) status = gd__wavefront_run(mesh, &propagation, &take, control, executor);
     if (!status) status = check_edges(field);
+    field->bytes = gd__field_bytes(field);
+    field->statistics.build_ns = gd_now_ns() - start;
+    return status;
+}
+
+static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request, bool without_wedges,
+                            const struct gd_control *control, const struct gd_executor *executor, struct gd_field **out,
+                            struct gd_detail *detail)
+{
+    enum gd_status status = check_request(request, detail);
+    if (status) return status;
+    struct gd_field *field = gd__field_create(mesh);
+    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    status = propagate(field, request, without_wedges, control, executor);
     if (status) {
         gd_field_release(field);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
-    field->bytes = gd__field_bytes(field);
-    field->statistics.build_ns = gd_now_ns() - start;
     *out = field;
+    return GD_OK;
+}
+
+enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                              const struct gd_control *control, const struct gd_executor *executor,
+                              struct gd_field **out, struct gd_detail *detail)
+{
+    return build(mesh, request, false, control, executor, out, detail);
+}
+
+enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                                       const struct gd_control *control, double *out, struct gd_detail *detail)
+{
+    struct gd_field *field;
+    enum gd_status status = build(mesh, request, true, control, NULL, &field, detail);
+    if (status) return status;
+    gd_field_vertex_distances(field, out);
+    gd_field_release(field);
     return GD_OK;
 }
 

@@ -36,11 +36,12 @@ bool bench_arguments_end(char **arguments, bool wants_mesh);
 
 /* What all subcommands that measure understand. */
 struct bench_options {
-    uint32_t runs;      /* --runs: repetitions; set to the subcommand's default before parsing */
-    bool repair;        /* --repair: what is no surface is cut apart, see gd_mesh_options */
-    uint32_t levels;    /* --subdivide: so many times every triangle is split at the middles of its edges */
-    double noise;       /* --noise: then every vertex is moved along its normal by up to so many mean edges */
-    uint32_t landmarks; /* --landmarks: built before pairs are solved */
+    uint32_t runs;       /* --runs: repetitions; set to the subcommand's default before parsing */
+    bool repair;         /* --repair: what is no surface is cut apart, see gd_mesh_options */
+    uint32_t levels;     /* --subdivide: so many times every triangle is split at the middles of its edges */
+    double noise;        /* --noise: then every vertex is moved along its normal by up to so many mean edges */
+    uint32_t landmarks;  /* --landmarks: built before pairs are solved */
+    bool distances_only; /* --distances-only: fields of which the vertices' distances are wanted, no more */
 };
 
 /* Takes all options from the front, in any order, pins the process (--pin PROCESSOR) and chooses its kernels (--cpu NAME). A mesh must follow. False, after a sentence, on misuse. */
@@ -94,6 +95,9 @@ double bench_thread_ms(void);
 
 /* Most memory that the process has had resident until now. */
 uint64_t bench_peak_bytes(void);
+
+/* Memory that the process has resident now; 0 where the system does not tell. */
+uint64_t bench_resident_bytes(void);
 
 /* The value that the part `q` of the values doesn't exceed, between neighbours in proportion; sorts them. count > 0. */
 double bench_quantile(double *values, uint32_t count, double q);

@@ -39,9 +39,48 @@ static void print_totals(const struct totals *totals, uint32_t runs, uint32_t ed
            totals->bytes / runs / edges);
 }
 
+static void add_distances(const struct gd_mesh *mesh, struct gd_point source, double *distances, double *ms,
+                          double *cpu_ms)
+{
+    struct gd_seed seed = {.point = source};
+    struct gd_detail detail = {0};
+    double start_cpu_ms = bench_thread_ms();
+    uint64_t start = gd_now_ns();
+    enum gd_status status = gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
+                                                    bench_control(), distances, &detail);
+    *ms = bench_ms_since(start);
+    *cpu_ms = bench_thread_ms() - start_cpu_ms;
+    bench_require(status, &detail);
+}
+
+/* field --distances-only: beside the peak of memory, what the process had before the first. */
+static void measure_distances(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+{
+    uint32_t runs = options->runs;
+    double *times = bench_allocate(2 * sizeof *times * runs);
+    double *distances = bench_allocate(sizeof *distances * gd_mesh_summary(mesh)->index_count);
+    struct rng rng = {1};
+    uint64_t before = bench_resident_bytes();
+    for (uint32_t run = 0; run < runs; run++)
+        add_distances(mesh, bench_random_point(mesh, GD_POINT_FACE, &rng), distances, times + run, times + runs + run);
+    uint64_t after = bench_resident_bytes();
+    bench_print_mesh(name, mesh);
+    printf(
+        "\"runs\":%u,\"distances_ms\":%.3f,\"distances_cpu_ms\":%.3f,\"resident_before\":%llu,\"resident_after\":%llu,",
+        runs, bench_median(times, runs), bench_median(times + runs, runs), (unsigned long long)before,
+        (unsigned long long)after);
+    bench_print_end();
+    free(distances);
+    free(times);
+}
+
 /* The first field of the process, which finds no memory warm, apart from the runs; the first run has its source again. */
 static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
 {
+    if (options->distances_only) {
+        measure_distances(name, mesh, options);
+        return;
+    }
     uint32_t runs = options->runs;
     double *times = bench_allocate(2 * sizeof *times * runs), first_ms, first_cpu_ms;
     struct totals first = {.ms = &first_ms, .cpu_ms = &first_cpu_ms}, totals = {.ms = times, .cpu_ms = times + runs};

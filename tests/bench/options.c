@@ -90,6 +90,7 @@ bool bench_take_options(char ***arguments, struct bench_options *options)
     do {
         before = *arguments;
         if (bench_take_word(arguments, "--repair")) options->repair = true;
+        if (bench_take_word(arguments, "--distances-only")) options->distances_only = true;
         if (!bench_take_count(arguments, "--runs", &options->runs) ||
             !take_whole(arguments, "--pin", 0, CPU_SETSIZE - 1, &cpu) ||
             !take_whole(arguments, "--subdivide", 0, 8, &options->levels) ||

@@ -430,6 +430,48 @@ static void an_executor_changes_nothing(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* Without wedges, the same distances; radius, unreferenced vertices and errors as with them. */
+static void distances_only(void **state)
+{
+    (void)state;
+    double positions[5][3] = {{0, 0, 0}, {9, 9, 9}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    uint32_t corners[6] = {0, 2, 3, 0, 3, 4};
+    struct gd_mesh *mesh = test_mesh(
+        &(struct gd_polygons){.positions = positions, .position_count = 5, .polygon_count = 2, .corners = corners});
+    struct gd_seed seed = {.point = vertex(mesh, 2), .offset = 0.5};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .radius = 1.75};
+    double out[5];
+    check_ok(gd_field_distances_only(mesh, &request, NULL, out, NULL), NULL);
+    assert_true(isnan(out[1]) && out[2] == 0.5 && isinf(out[4]));
+    check_close(out[3], 1.5, 1e-15);
+    seed.offset = -1;
+    assert_int_equal(gd_field_distances_only(mesh, &request, NULL, out, NULL), GD_INVALID_ARGUMENT);
+    assert_true(out[2] == 0.5);
+    gd_mesh_release(mesh);
+}
+
+static void distances_only_are_the_fields(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(48, 0.3, 7, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = vertex(mesh, 1111)};
+    struct gd_field *field = field_of(mesh, seed.point);
+    uint32_t count = gd_mesh_summary(mesh)->index_count;
+    double *kept = malloc(sizeof *kept * count), *only = malloc(sizeof *only * count);
+    gd_field_vertex_distances(field, kept);
+    check_ok(
+        gd_field_distances_only(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, only, NULL),
+        NULL);
+    for (uint32_t i = 0; i < count; i++) check_close(only[i], kept[i], 1e-14);
+    free(kept);
+    free(only);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -441,6 +483,8 @@ int main(void)
         cmocka_unit_test(budget_deadline_and_cancel),
         cmocka_unit_test(several_seeds),
         cmocka_unit_test(an_executor_changes_nothing),
+        cmocka_unit_test(distances_only),
+        cmocka_unit_test(distances_only_are_the_fields),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
