@@ -16,7 +16,7 @@ PUBLIC = {
     "mesh": ["mesh", "point", "locate"],
     "io": ["io"],
     "wedge": ["cpu", "workspace"],
-    "field": ["field", "path"],
+    "field": ["field", "path", "isoline"],
     "query": ["query", "landmarks"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}

@@ -64,6 +64,18 @@
 /* How far a caller's barycentrics may be from summing to one, or t from [0,1], before they are an error and not rounding. */
 #define GD_TOL_INPUT 1e-9
 
+/* A leg that crosses an edge within this part of it from where it would do so straight is straight: wedges' ends are stored to 2^-32. */
+#define GD_TOL_STRAIGHT 1e-9
+
+/* One source that a face sees through several wedges has images that differ by this part of its distance, as each was unfolded on its own way;
+ * and places in a face are rounded by this part of its size. Envelopes take sources for tied that differ by no more than both. */
+#define GD_TOL_ENVELOPE 1e-12
+#define GD_TOL_PLACE    4e-15
+
+/* Ends of an isoline's arcs this close together, relative to the face, are looked at first to find which of them are one. It bounds the work, not
+ * what is matched. */
+#define GD_TOL_MEET 1e-6
+
 /* A path's own length against the distance from the wedges, relative: the promise of the interface. */
 #define GD_TOL_CHECK 1e-9
 

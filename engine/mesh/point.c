@@ -209,6 +209,19 @@ void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
     if (point->kind == GD_POINT_EDGE) describe_edge(mesh, point, out);
 }
 
+uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        return mesh->vertex_component[point->element];
+    case GD_POINT_EDGE:
+        return mesh->vertex_component[mesh->origin[2 * point->element]];
+    case GD_POINT_FACE:
+        break;
+    }
+    return mesh->vertex_component[mesh->origin[mesh->face_side[point->element][0]]];
+}
+
 bool gd_point_equal(const struct gd_point *a, const struct gd_point *b)
 {
     return a->kind == b->kind && a->element == b->element && memcmp(a->weight, b->weight, sizeof a->weight) == 0;

@@ -109,7 +109,7 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
@@ -132,6 +132,21 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
         double from = in + M_PI < total ? in + M_PI : in + M_PI - total;
         emit_cone(front, vertex, from, from + total - 2 * M_PI);
     }
+}
+
+/* The other wavefront of a domain emits from common vertices itself. Of the others it has to know the distance, as windows of theirs may come to it. */
+void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    struct gd__domain *domain = front->domain;
+    if (!domain) {
+        emit_vertex(front, vertex);
+        return;
+    }
+    if (!gd__domain_has_vertex(domain, vertex)) return;
+    domain->is_common = gd__domain_shares_vertex(domain, vertex);
+    if (!domain->is_common) gd__wavefront_tell(front, vertex);
+    if (!front->status) emit_vertex(front, vertex);
+    domain->is_common = false;
 }
 
 /* --- seeds --------------------------------------------------------------------------------------------------------------- */
@@ -230,6 +245,7 @@ static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 void gd__emit_seeds(struct gd__wavefront *front)
 {
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
+        if (front->domain) front->domain->is_common = front->seeds[i].point.kind != GD_POINT_VERTEX;
         switch (front->seeds[i].point.kind) {
         case GD_POINT_VERTEX:
             seed_vertex(front, i);
@@ -242,4 +258,5 @@ void gd__emit_seeds(struct gd__wavefront *front)
             break;
         }
     }
+    if (front->domain) front->domain->is_common = false;
 }

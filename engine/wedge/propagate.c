@@ -1,6 +1,7 @@
 #include "wedge/wavefront.h"
 
 #define REMIND_AFTER 8 /* visits of a side: on meshes of any sense few sides have more than three */
+#define STORE_AFTER  4 /* where wedges are not wanted, but for the reminding */
 
 /* Stores windows as a chunk of wedges of the side's edge. */
 static enum gd_status store(struct gd__wavefront *front, uint32_t side, const struct gd__windows *windows,
@@ -127,7 +128,8 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
                               front->falls};
     front->effort.sides_propagated++;
     front->status = prune(front, &at, &windows, &count);
-    if (!front->status && count && !front->without_wedges) front->status = store(front, side, &windows, count);
+    bool stores = !front->without_wedges || list->visits > STORE_AFTER;
+    if (!front->status && count && stores) front->status = store(front, side, &windows, count);
     if (front->bound < GD__FAR && !front->guide) count = front->kernel->within(&windows, count, front->bound);
     if (!front->status && count && !gd__side_is_boundary(front->mesh, side)) cast(front, &at, &windows, count);
     gd__pool_release(&front->work->pool, block, size_class);

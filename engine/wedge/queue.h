@@ -44,8 +44,12 @@ void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 /* Enters the node, which waits in bucket *waiting (GD_NONE: in none), unless that comes no later than its key. Amortised O(1). */
 void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting);
 
-/* Takes the first entry; GD_NONE when empty. It is stale unless its node waits in the current bucket. Amortised O(1). */
-uint32_t gd__queue_pop(struct gd__queue *queue);
+/* Takes the first entry of the buckets before number `end`; GD_NONE when they are empty. It is stale unless its node waits in the current bucket.
+ * Amortised O(1). */
+uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end);
+
+/* Number of the first bucket that is not empty; GD_NONE when all are. */
+uint32_t gd__queue_first(const struct gd__queue *queue);
 
 /* The entry so many places behind the one that was popped last, if it is in the current or the next bucket, else GD_NONE: a hint. */
 static inline uint32_t gd__queue_peek(const struct gd__queue *queue, uint32_t places)

@@ -3,14 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BUCKET_WIDTH   0.25 /* of the mean edge: measured, see doc/001 */
-#define KEY_WEIGHT     0.25 /* a side's key between the nearer and the farther end's distance */
-#define CHECK_INTERVAL 256  /* work items between two looks at the monitor: well under a millisecond */
-#define RECORDS_AHEAD  9    /* places in the queue: see prefetch_records */
-#define NAMED_AHEAD    5
-#define WORK_AHEAD     2
-#define WORK_LEAST     (UINT64_C(1) << 25) /* windows: a second's work */
-#define WORK_FACTOR    64
+#define BUCKET_WIDTH  0.25 /* of the mean edge: measured, see doc/001 */
+#define KEY_WEIGHT    0.25 /* a side's key between the nearer and the farther end's distance */
+#define CHECK_WINDOWS 8192 /* propagated between two looks at the monitor, where an item counts as */
+#define ITEM_WINDOWS  16   /* so many besides: well under a millisecond */
+#define RECORDS_AHEAD 9    /* places in the queue: see prefetch_records */
+#define NAMED_AHEAD   5
+#define WORK_AHEAD    2
+#define WORK_LEAST    (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_FACTOR   64
 
 /* --- distances, windows, order ------------------------------------------------------------------------------------------- */
 
@@ -28,21 +29,46 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth)
+/* A distance that is shorter. Vertices that windows are on their way from already are noted: see remind.c. */
+static void settle(struct gd__wavefront *front, uint32_t vertex, double distance, const struct gd__birth *birth,
+                   bool has_emitted)
 {
-    double known = front->distance[vertex];
-    if (distance >= known * (1 - GD_TOL_BETTER)) return;
-    if (known >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
-    if (front->emitted[vertex] < GD__FAR) {
+    if (front->distance[vertex] >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
+    if (has_emitted) {
         front->work->since[vertex] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
         front->falls++;
     }
     front->distance[vertex] = distance;
-    front->birth[vertex] = birth;
+    front->birth[vertex] = *birth;
     shrink_bound(front, vertex);
     if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX &&
         distance + gd__wavefront_rest(front, vertex) <= front->bound)
         gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, &front->waiting[vertex]);
+}
+
+void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth)
+{
+    if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
+    struct gd__domain *domain = front->domain;
+    if (domain && !gd__domain_has_vertex(domain, vertex)) return;
+    settle(front, vertex, distance, &birth, front->emitted[vertex] < GD__FAR);
+    if (domain && gd__domain_shares_vertex(domain, vertex)) gd__wavefront_tell(front, vertex);
+}
+
+void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex)
+{
+    struct gd__vertex_letter letter = {.vertex = vertex,
+                                       .has_emitted = front->emitted[vertex] < GD__FAR,
+                                       .distance = front->distance[vertex],
+                                       .birth = front->birth[vertex]};
+    if (!front->status) front->status = gd__domain_send_vertex(front->domain, &letter);
+}
+
+void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter)
+{
+    if (letter->distance < front->distance[letter->vertex])
+        settle(front, letter->vertex, letter->distance, &letter->birth,
+               letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
 }
 
 static double key_of(const struct gd__receiver *to)
@@ -51,8 +77,19 @@ static double key_of(const struct gd__receiver *to)
     return far < GD__FAR ? near + KEY_WEIGHT * (far - near) : near;
 }
 
+/* What crosses the cut. */
+static void send(struct gd__wavefront *front, uint32_t side, const struct gd__children *children)
+{
+    if (children->count && !front->domain->is_common && !front->status)
+        front->status = gd__domain_send_windows(front->domain, side, children);
+}
+
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
+    if (front->domain && !gd__domain_has_side(front->domain, to->side)) {
+        send(front, to->side, children);
+        return;
+    }
     if (front->guide)
         children->count = front->kernel->filter(&children->at, children->count, to->length, front->bound - to->l0,
                                                 front->bound - to->l1);
@@ -82,25 +119,12 @@ static void aim(struct gd__wavefront *front, const struct gd_point *target)
     }
 }
 
-static uint32_t component_of(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    switch (point->kind) {
-    case GD_POINT_VERTEX:
-        return mesh->vertex_component[point->element];
-    case GD_POINT_EDGE:
-        return mesh->vertex_component[mesh->origin[2 * point->element]];
-    case GD_POINT_FACE:
-        break;
-    }
-    return mesh->vertex_component[mesh->origin[mesh->face_side[point->element][0]]];
-}
-
 /* Buckets fit the smallest component that holds a seed: one that is a million times smaller than another must not fall into one bucket. */
 static double bucket_width(const struct gd__wavefront *front)
 {
     double mean = GD__FAR;
     for (uint32_t i = 0; i < front->seed_count; i++) {
-        double edge = front->mesh->component[component_of(front->mesh, &front->seeds[i].point)].mean_edge;
+        double edge = front->mesh->component[gd_point_component(front->mesh, &front->seeds[i].point)].mean_edge;
         if (edge < mean) mean = edge;
     }
     return BUCKET_WIDTH * mean;
@@ -113,7 +137,7 @@ static uint64_t work_limit(const struct gd_mesh *mesh)
     return WORK_LEAST + (uint64_t)(WORK_FACTOR * sides * sqrt(sides));
 }
 
-static enum gd_status open_front(struct gd__wavefront *front, const struct gd__propagation *propagation)
+enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
     enum gd_status status = gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
@@ -223,10 +247,13 @@ static void check(struct gd__wavefront *front)
         front->status = GD_RUNAWAY;
 }
 
-static enum gd_status propagate_all(struct gd__wavefront *front)
+void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most)
 {
     uint32_t sides = 2 * front->mesh->edge_count, node;
-    for (uint64_t work = 0; !front->status && (node = gd__queue_pop(front->queue)) != GD_NONE; work++) {
+    uint64_t next_check = 0;
+    for (uint64_t work = 0; work < most && !front->status; work++) {
+        node = gd__queue_pop(front->queue, end);
+        if (node == GD_NONE) break;
         prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
         prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
         prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
@@ -234,10 +261,33 @@ static enum gd_status propagate_all(struct gd__wavefront *front)
             work_on_side(front, node);
         else
             work_on_vertex(front, node - sides);
-        if (work % CHECK_INTERVAL == 0) check(front);
+        if (front->effort.windows_propagated + ITEM_WINDOWS * work >= next_check) {
+            next_check = front->effort.windows_propagated + ITEM_WINDOWS * work + CHECK_WINDOWS;
+            check(front);
+        }
     }
     if (!front->status && front->queue->out_of_memory) front->status = GD_NO_MEMORY;
+}
+
+static enum gd_status propagate_alone(struct gd__wavefront *front, const struct gd__propagation *propagation)
+{
+    enum gd_status status = gd__wavefront_open(front, propagation);
+    if (status) return status;
+    gd__emit_seeds(front);
+    gd__wavefront_advance(front, GD_NONE, UINT64_MAX);
     return front->status;
+}
+
+/* Two wavefronts need more memory than one. */
+static enum gd_status propagate_together(struct gd__wavefront *front, const struct gd__propagation *propagation,
+                                         const struct gd_executor *executor)
+{
+    struct gd__wavefront fresh = *front;
+    enum gd_status status = gd__domain_propagate(front, propagation, executor);
+    if (status != GD_BUDGET) return status;
+    gd__workspace_clean(front->work);
+    *front = fresh;
+    return propagate_alone(front, propagation);
 }
 
 static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *mesh,
@@ -252,10 +302,9 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .guide = propagation->guide,
                                   .without_wedges = propagation->without_wedges,
                                   .monitor = monitor};
-    enum gd_status status = open_front(&front, propagation);
-    if (status) return status;
-    gd__emit_seeds(&front);
-    status = propagate_all(&front);
+    bool together = executor && executor->width > 1 && gd__domain_is_worth_it(mesh, propagation, monitor);
+    enum gd_status status =
+        together ? propagate_together(&front, propagation, executor) : propagate_alone(&front, propagation);
     if (!status) status = sink->take(sink->user, &front, executor);
     return status;
 }

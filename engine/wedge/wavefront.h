@@ -10,11 +10,12 @@
  * - Invariants: the windows of a list are sorted and disjoint; each of them is a path that exists, so distances are upper bounds at any time;
  *   a window is dropped only where an existing path is strictly shorter or no path below the bound can use it.
  * - At the end all windows and vertex distances that are shorter than the bound are final (the paper's Property 5).
- * - All lengths are in the mesh's inside unit. One owner, one thread; the executor is for the sink. */
+ * - All lengths are in the mesh's inside unit. One owner, one thread; with an executor two wavefronts share the surface (domain.h). */
 #ifndef GD_WEDGE_WAVEFRONT_H
 #define GD_WEDGE_WAVEFRONT_H
 
 #include "gd/executor.h"
+#include "wedge/domain.h"
 #include "wedge/kernel.h"
 #include "wedge/workspace.h"
 
@@ -41,7 +42,7 @@ struct gd__propagation {
     double radius;                 /* inside unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: none */
     struct gd__guide *guide;       /* towards one target: only its distance and path are final. NULL: none */
-    bool without_wedges;           /* distances and births only: nothing is stored */
+    bool without_wedges;           /* distances and births only: nothing is stored but for gd__remind */
     uint64_t work_limit;           /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
     struct gd__methods methods;
 };
@@ -75,6 +76,8 @@ struct gd__wavefront {
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */
 
+    struct gd__domain *domain; /* the part of the surface that is its own; NULL: all of it */
+
     const struct gd_control *monitor;
     enum gd_status status;  /* sticky: the first failure */
     uint64_t sides_visited; /* different ones: progress */
@@ -94,6 +97,18 @@ struct gd__sink {
 GD_MUST_USE enum gd_status gd__wavefront_run(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
                                              const struct gd__sink *sink, const struct gd_control *monitor,
                                              const struct gd_executor *executor);
+
+/* Its parts, for those who run more than one wavefront (domain.c): opens the workspace for a propagation, */
+GD_MUST_USE enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__propagation *propagation);
+
+/* propagates what waits before bucket `end` of the queue, at most `most` sides and vertices; front->status tells of failure, */
+void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most);
+
+/* tells the other wavefront of a domain what it knows of a vertex, */
+void gd__wavefront_tell(struct gd__wavefront *front, uint32_t vertex);
+
+/* takes over what another wavefront knows of a vertex, if it is shorter by however little. */
+void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_letter *letter);
 
 /* --- between the sources of this room ----------------------------------------------------------------------------------- */
 

@@ -165,6 +165,12 @@ struct gd_workspace *gd_workspace_create(void)
     return calloc(1, sizeof(struct gd_workspace));
 }
 
+struct gd_workspace *gd__workspace_partner(struct gd_workspace *w)
+{
+    if (!w->partner) w->partner = gd_workspace_create();
+    return w->partner;
+}
+
 void gd_workspace_trim(struct gd_workspace *w)
 {
     free_arrays(w);
@@ -173,6 +179,7 @@ void gd_workspace_trim(struct gd_workspace *w)
     gd__region_destroy(&w->wedges);
     gd__pool_destroy(&w->pool);
     gd__scratch_destroy(&w->scratch);
+    gd_workspace_destroy(w->partner);
     *w = (struct gd_workspace){0};
 }
 
@@ -197,5 +204,6 @@ size_t gd_workspace_bytes(const struct gd_workspace *w)
         bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) + w->result_edges * sizeof *w->newest;
     bytes += w->guide.capacity * sizeof *w->guide.node + w->guide.touched_capacity * sizeof *w->guide.touched +
              w->guide.heap_capacity * sizeof *w->guide.heap;
+    if (w->partner) bytes += gd_workspace_bytes(w->partner);
     return bytes + (w->queue ? sizeof *w->queue : 0);
 }

@@ -44,7 +44,11 @@ struct gd_workspace {
     struct gd__pool pool;
     struct gd__children left, right;
     struct gd__scratch scratch;
+    struct gd_workspace *partner; /* of the second wavefront of a field on two threads (domain.h); NULL: none yet */
 };
+
+/* The partner, made if there is none; NULL without memory. */
+struct gd_workspace *gd__workspace_partner(struct gd_workspace *workspace);
 
 /* Bytes that a propagation over the mesh takes before it begins. */
 size_t gd__workspace_need(const struct gd_mesh *mesh);

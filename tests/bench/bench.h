@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "gd/control.h"
+#include "gd/executor.h"
 #include "gd/point.h"
 #include "tests/samples/random.h"
 
@@ -41,6 +42,7 @@ struct bench_options {
     uint32_t levels;     /* --subdivide: so many times every triangle is split at the middles of its edges */
     double noise;        /* --noise: then every vertex is moved along its normal by up to so many mean edges */
     uint32_t landmarks;  /* --landmarks: built before pairs are solved */
+    uint32_t threads;    /* --threads: of one field; 1 */
     bool distances_only; /* --distances-only: fields of which the vertices' distances are wanted, no more */
 };
 
@@ -80,6 +82,9 @@ int bench_each_mesh(char **arguments, uint32_t runs,
 
 /* What a worker of the daemon works with: a workspace, and memory of released fields that is kept for the next. One for the process; no limits. */
 const struct gd_control *bench_control(void);
+
+/* So many threads, the calling one among them; NULL for one. The program ends, after a sentence, when it can't have them. */
+const struct gd_executor *bench_executor(uint32_t threads);
 
 /* Memory or the end of the program. */
 void *bench_allocate(size_t bytes);

@@ -122,7 +122,7 @@ const struct sample samples[] = {
      make_grid},
     {"box",
      "a closed box",
-     {{LENGTH("a", 1)}, {LENGTH("b", 1)}, {LENGTH("c", 1)}, {COUNT("cells", 8, 1, 400)}},
+     {{LENGTH("a", 1)}, {LENGTH("b", 1)}, {LENGTH("c", 1)}, {COUNT("cells", 8, 1, 600)}},
      make_box},
     {"icosphere",
      "a subdivided icosahedron on a sphere",

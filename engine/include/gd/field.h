@@ -31,10 +31,11 @@ struct gd_field_request {
     const struct gd_point *target; /* stop when this point's distance is final (the paper's Property 5); NULL: none */
 };
 
-/* Propagates wedges from the seeds and keeps the final ones. `control`, `executor` and `detail` may be NULL.
- * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE,
- * GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was too coarse for this surface).
- * Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
+/* Propagates wedges from the seeds and keeps the final ones. `control`, `executor` and `detail` may be NULL. An executor of width 2 or more halves a
+ * large surface between two tasks (wedge/domain.h): the same field every time, which differs from that of one task by rounding.
+ * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far
+ * more windows than any surface of sense needs), GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was too
+ * coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
                                           const struct gd_control *control, const struct gd_executor *executor,
                                           struct gd_field **out, struct gd_detail *detail);
@@ -79,10 +80,37 @@ GD_MUST_USE enum gd_status gd_field_distances(const struct gd_field *field, cons
  * unreferenced vertices. */
 void gd_field_vertex_distances(const struct gd_field *field, double *out);
 
+/* How many seeds the request had. */
+uint32_t gd_field_seed_count(const struct gd_field *field);
+
+/* Distance at a point as gd_field_distance, and the number of the seed (in the request's order) that it is the distance of: the one in which
+ * gd_field_path ends. Of seeds that are equally near up to rounding it is one, always the same; gd_field_path may end in another of them.
+ * INFINITY and UINT32_MAX: no path. GD_BEYOND_REACH: a partial field does not know. GD_INTERNAL: the ways that the field keeps lead to no seed.
+ * O(wedges of a face's edges, and the path's bends). */
+GD_MUST_USE enum gd_status gd_field_nearest(const struct gd_field *field, const struct gd_point *point,
+                                            double *distance, uint32_t *seed);
+
 /* The shortest path from `point` back to its nearest seed; free it by gd_path_free. The polyline's own length is compared with the distance
  * (1e-9 relative): GD_INTERNAL if they differ. GD_NOT_ON_SURFACE: no path. GD_BEYOND_REACH, GD_NO_MEMORY. O(crossings). */
 GD_MUST_USE enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
                                          struct gd_path *out);
+
+/* The gradient of the distance at a point: the unit vector in the plane of a face in which the distance grows, that is the direction of the
+ * shortest path's last leg, away from the source. The face is the one through which that leg comes: at a point of an edge or a vertex another face
+ * around it may have it turned into its own plane. Where several shortest paths arrive there is no gradient in the strict sense: the answer
+ * is the one of the path that gd_field_path gives, always the same.
+ * Errors: GD_INVALID_ARGUMENT (the point is the seed itself: the distance grows in all directions), GD_NOT_ON_SURFACE (no path),
+ * GD_BEYOND_REACH. O(wedges of a face's edges). */
+GD_MUST_USE enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point,
+                                             struct gd_vec3 *out);
+
+/* The point of the surface that is farthest from the seeds, and its distance: the true maximum over all points that a path reaches (components
+ * without a seed are left out). It may be a vertex, a point of a boundary edge between two ways that are as long, or a point of a face where
+ * three meet. Of several that are as far it is one, always the same. `control` may be NULL.
+ * Errors: GD_BEYOND_REACH (a partial field does not know), GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE.
+ * Cost: one pass over the faces, and a closer look at those that may rise above all vertices: mostly few. */
+GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_control *control,
+                                             struct gd_point *point, double *distance);
 
 /* A final-stage wedge of an edge, Definition 1 of the paper: parameters b0 < b1 and the distances d0, d1 of the pseudo-source to those
  * ends, in the caller's unit along the edge from its lower-numbered vertex; sigma: distance of the pseudo-source; tau: true when it lies

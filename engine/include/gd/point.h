@@ -49,6 +49,9 @@ void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
 
 struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point);
 
+/* Number of the component that the point lies on, below summary.components: between points of different ones there is no path. */
+uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *point);
+
 /* The same canonical point, to the last bit. */
 bool gd_point_equal(const struct gd_point *a, const struct gd_point *b);
 

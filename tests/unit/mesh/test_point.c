@@ -193,6 +193,22 @@ static void a_description_leads_back(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Two triangles that share no vertex. */
+static void points_know_their_component(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
+    uint32_t corners[] = {0, 1, 2, 3, 4, 5};
+    struct gd_polygons polygons = TRIANGLES(positions, corners);
+    struct gd_mesh *mesh = build(&polygons);
+    for (uint32_t f = 0; f < 2; f++) {
+        struct gd_point points[] = {at_vertex(mesh, 3 * f), at_vertex(mesh, 3 * f + 2),
+                                    on_edge(mesh, 3 * f + 1, 3 * f + 2, 0.25), in_face(mesh, f, 0.2, 0.3, 0.5)};
+        for (uint32_t i = 0; i < COUNT(points); i++) assert_int_equal(gd_point_component(mesh, &points[i]), f);
+    }
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -200,6 +216,7 @@ int main(void)
         cmocka_unit_test(rounding_is_no_error_and_moves_nothing),
         cmocka_unit_test(what_is_no_point_is_refused_by_name),
         cmocka_unit_test(a_description_leads_back),
+        cmocka_unit_test(points_know_their_component),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

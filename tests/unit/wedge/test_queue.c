@@ -36,7 +36,7 @@ static void push(uint32_t node, double key)
 static uint32_t pop(void)
 {
     for (;;) {
-        uint32_t node = gd__queue_pop(queue);
+        uint32_t node = gd__queue_pop(queue, GD_NONE);
         if (node == GD_NONE) return GD_NONE;
         if (waiting[node] != queue->current) continue;
         waiting[node] = GD_NONE;
@@ -185,6 +185,26 @@ static void clears(void **state)
     gd__queue_destroy(NULL);
 }
 
+/* Pops stop before a bucket and go on from there; what comes late goes to the bucket at hand. */
+static void stops_before_a_bucket(void **state)
+{
+    (void)state;
+    gd__queue_set_width(queue, 1);
+    assert_int_equal(gd__queue_first(queue), GD_NONE);
+    push(1, 2.5);
+    push(2, 7.5);
+    assert_int_equal(gd__queue_first(queue), 2);
+    assert_int_equal(gd__queue_pop(queue, 2), GD_NONE);
+    assert_int_equal(gd__queue_pop(queue, 3), 1);
+    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
+    assert_int_equal(gd__queue_first(queue), 7);
+    push(3, 0.5);
+    assert_int_equal(gd__queue_pop(queue, 7), 3);
+    assert_int_equal(gd__queue_pop(queue, 7), GD_NONE);
+    assert_int_equal(gd__queue_pop(queue, 8), 2);
+    assert_int_equal(gd__queue_pop(queue, GD_NONE), GD_NONE);
+}
+
 #define WITH_QUEUE(test) cmocka_unit_test_setup_teardown(test, open_queue, close_queue)
 
 int main(void)
@@ -199,6 +219,7 @@ int main(void)
         WITH_QUEUE(peeks_at_what_comes_next),
         WITH_QUEUE(keeps_every_node_once),
         WITH_QUEUE(clears),
+        WITH_QUEUE(stops_before_a_bucket),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,93 @@
+#include "field/frame.h"
+
+/* The gradient of the distance: the direction of the last leg, from where the leg begins to the point, laid into space with the face. */
+
+/* A direction in the frame of a side of a face, not of unit length. */
+struct direction {
+    uint32_t side;
+    double x, y;
+};
+
+static struct gd_vec3 in_space(const struct gd_mesh *mesh, const struct direction *d)
+{
+    struct gd__axes axes = gd__axes_of_side(mesh, d->side);
+    struct gd_vec3 sum = gd_vec3_along(gd_vec3_scale(axes.along, d->x), d->y, axes.across);
+    return gd_vec3_scale(sum, 1 / gd_vec3_length(sum));
+}
+
+/* Between two points of a face, in the frame whose origin is the corner nearest to the first: there small differences of weights are kept. */
+static struct direction between(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *from,
+                                const struct gd_point *to)
+{
+    double a[3], b[3];
+    gd__point_weights(mesh, from, face, a);
+    gd__point_weights(mesh, to, face, b);
+    int k = a[1] > a[0] ? 1 : 0;
+    if (a[2] > a[k]) k = 2;
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    uint32_t side = mesh->face_side[face][k];
+    struct gd__local d = gd__face_local(mesh, side, (double[3]){b[k] - a[k], b[l] - a[l], b[m] - a[m]});
+    return (struct direction){side, d.x, d.y};
+}
+
+/* From the source of a wedge that lies across a side of the leg's face, at (x, -y), or from where the leg bends round the wedge's end. A leg that
+ * ends on that side itself has come through the face across. */
+static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
+                                      const struct gd_point *point)
+{
+    int k = 0;
+    double weight[3];
+    while (mesh->face_side[leg->face][k] != leg->side) k++;
+    gd__point_weights(mesh, point, leg->face, weight);
+    struct gd__local at =
+        gd__face_local(mesh, leg->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    double dx = at.x - leg->x, dy = at.y + leg->y, straight = dy > 0 ? leg->x + dx * (leg->y / dy) : at.x;
+    if (at.y == 0 && !gd__side_is_boundary(mesh, leg->side ^ 1)) return (struct direction){leg->side ^ 1, -dx, -dy};
+    if (fabs(straight - leg->parameter) <= GD_TOL_STRAIGHT * mesh->side[leg->side].length)
+        return (struct direction){leg->side, dx, dy};
+    return (struct direction){leg->side, at.x - leg->parameter, at.y};
+}
+
+static struct direction along_edge(const struct gd_field *field, uint32_t vertex, uint32_t source)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    uint32_t vertices = mesh->vertex_count, side = GD_NONE;
+    if (source < vertices) {
+        side = gd__side_between(mesh, source, vertex);
+    } else if (field->seeds[source - vertices].point.kind == GD_POINT_EDGE) {
+        side = 2 * field->seeds[source - vertices].point.element;
+        if (gd__side_destination(mesh, side) != vertex) side ^= 1;
+    } else {
+        return (struct direction){0}; /* the vertex is the seed */
+    }
+    if (!gd__side_is_boundary(mesh, side)) return (struct direction){side, 1, 0};
+    return (struct direction){side ^ 1, -1, 0};
+}
+
+/* The last leg to a vertex, by its birth. */
+static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
+{
+    struct gd__birth birth = field->birth[vertex];
+    if (birth.side == GD_NONE) return along_edge(field, vertex, birth.source);
+    const struct gd_side *s = &field->mesh->side[birth.side];
+    return (struct direction){birth.side, s->left_length * s->left_x - birth.x, s->left_length * s->left_y + birth.y};
+}
+
+static struct direction of_leg(const struct gd_field *field, const struct gd__leg *leg, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_VERTEX) return at_vertex(field, point->element);
+    if (leg->kind == GD__LEG_WEDGE) return through_wedge(field->mesh, leg, point);
+    struct gd_point corner = {.kind = GD_POINT_VERTEX, .element = leg->from};
+    return between(field->mesh, leg->face, leg->kind == GD__LEG_SEED ? &field->seeds[leg->from].point : &corner, point);
+}
+
+enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point, struct gd_vec3 *out)
+{
+    struct gd__leg leg = gd__field_leg(field, point);
+    if (leg.distance > field->reach) return GD_BEYOND_REACH;
+    if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
+    struct direction direction = of_leg(field, &leg, point);
+    if (direction.x == 0 && direction.y == 0) return GD_INVALID_ARGUMENT;
+    *out = in_space(field->mesh, &direction);
+    return GD_OK;
+}

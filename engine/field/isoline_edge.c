@@ -1,0 +1,125 @@
+#include "field/array.h"
+#include "field/isoline_parts.h"
+
+/* Where the distance along an edge passes the level. Each source that the edge is seen from gives places at which it may; between two places
+ * that follow each other the distance is all below the level or not at all, so that one question in their middle tells. */
+
+static enum gd_status put(struct gd__places *places, double t, double length)
+{
+    if (!(t > 0 && t < length)) return GD_OK;
+    double *grown = gd__array_reserve(places->at, &places->capacity, places->count + 1, sizeof t);
+    if (!grown) return GD_NO_MEMORY;
+    places->at = grown;
+    places->at[places->count++] = t;
+    return GD_OK;
+}
+
+/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to rounding does not pass it (circle.c has the same). */
+static enum gd_status put_roots(struct gd__places *places, const struct gd__window *w, double level, double length)
+{
+    double radius = level - w->sigma;
+    if (!(radius > w->y + gd__envelope_slack(level, length))) return GD_OK;
+    double half = sqrt((radius - w->y) * (radius + w->y));
+    enum gd_status status = GD_OK;
+    for (int sign = -1; sign <= 1 && !status; sign += 2) {
+        double t = w->x + sign * half;
+        if (t >= w->b0 && t <= w->b1) status = put(places, t, length);
+    }
+    return status;
+}
+
+static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+{
+    double length = field->mesh->side[2 * edge].length;
+    enum gd_status status = GD_OK;
+    for (uint32_t at = field->newest[edge]; at != GD_NONE; at = gd__field_chunk(field, at)->previous) {
+        const struct gd__chunk *chunk = gd__field_chunk(field, at);
+        for (uint32_t i = 0; i < chunk->count && !status; i++) {
+            struct gd__window w;
+            if (gd__sources_window(field, chunk, i, 2 * edge, &w)) status = put_roots(places, &w, level, length);
+        }
+    }
+    return status;
+}
+
+/* Seeds on the edge itself reach it by no wedge. */
+static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    double length = mesh->side[2 * edge].length;
+    uint32_t face = mesh->side_face[2 * edge] != GD_NONE ? mesh->side_face[2 * edge] : mesh->side_face[2 * edge + 1];
+    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    enum gd_status status = GD_OK;
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face && !status; f++) {
+        const struct gd__seed *seed = &field->seeds[f->seed];
+        if (seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) continue;
+        struct gd__window all = {.b1 = length, .x = seed->point.weight[0] * length, .sigma = seed->offset};
+        status = put_roots(places, &all, level, length);
+    }
+    return status;
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* All places at which the edge may pass the level, sorted, its two ends among them. */
+static enum gd_status find_places(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    double length = mesh->side[2 * edge].length, d0 = field->distance[mesh->origin[2 * edge]],
+           d1 = field->distance[mesh->origin[2 * edge + 1]];
+    places->count = 0;
+    enum gd_status status = put_wedges(field, edge, level, places);
+    if (!status) status = put_seeds(field, edge, level, places);
+    if (!status) status = put(places, level - d0, length);
+    if (!status) status = put(places, length - (level - d1), length);
+    if (status) return status;
+    double *grown = gd__array_reserve(places->at, &places->capacity, places->count + 2, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    places->at = grown;
+    places->at[places->count++] = 0;
+    places->at[places->count++] = length;
+    qsort(places->at, places->count, sizeof *places->at, by_place);
+    return GD_OK;
+}
+
+static bool is_below(const struct gd_field *field, uint32_t edge, double t, double level)
+{
+    struct gd_point point = gd__point_of_edge(field->mesh, edge, t / field->mesh->side[2 * edge].length);
+    struct gd__way way;
+    gd__field_way(field, &point, &way);
+    return way.distance < level;
+}
+
+static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossing)
+{
+    struct gd__crossing *grown =
+        gd__array_reserve(parts->crossing, &parts->crossing_capacity, parts->crossing_count + 1, sizeof crossing);
+    if (!grown) return GD_NO_MEMORY;
+    parts->crossing = grown;
+    parts->crossing[parts->crossing_count++] = crossing;
+    return GD_OK;
+}
+
+enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
+                                      struct gd__places *places, struct gd__parts *parts)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    enum gd_status status = find_places(field, edge, level, places);
+    double narrow = gd__envelope_slack(level, mesh->side[2 * edge].length);
+    bool below = field->distance[mesh->origin[2 * edge]] < level;
+    for (uint32_t i = 0; i < places->count && !status; i++) {
+        double t = places->at[i];
+        bool is_last = i + 1 == places->count, then = below;
+        if (is_last)
+            then = field->distance[mesh->origin[2 * edge + 1]] < level;
+        else if (places->at[i + 1] - t > narrow)
+            then = is_below(field, edge, 0.5 * (t + places->at[i + 1]), level);
+        if (then != below) status = append(parts, (struct gd__crossing){edge, t, below});
+        below = then;
+    }
+    return status;
+}

@@ -1,0 +1,322 @@
+#include "field/array.h"
+#include "field/isoline_parts.h"
+
+/* The isoline inside one face: arcs, put together to chains. */
+
+/* An end from which a line goes on in the face (of an arc, or a crossing by which it comes in), or at which it is to arrive (the start of an arc, or
+ * a crossing by which it leaves). */
+struct gd__end {
+    struct gd__local at;
+    uint32_t arc;      /* GD_NONE: a crossing */
+    uint32_t crossing; /* GD_NONE: an arc's */
+    bool goes_on;
+    uint32_t match; /* the other end with which it is one; GD_NONE: not yet */
+};
+
+struct gd__arc {
+    struct gd__circle circle;
+    double from, to;
+    uint32_t start, stop; /* its ends */
+    bool is_chained;
+};
+
+struct gd__order {
+    double x;
+    uint32_t end;
+};
+
+/* Two ends that may be one, and their distance squared. */
+struct gd__link {
+    double apart;
+    uint32_t from, to;
+};
+
+struct work {
+    const struct gd_field *field;
+    double level;
+    struct gd__face_scratch *scratch;
+    struct gd__parts *parts;
+};
+
+void gd__face_scratch_destroy(struct gd__face_scratch *scratch)
+{
+    gd__sources_destroy(&scratch->sources);
+    free(scratch->covered.span);
+    free(scratch->spans.span);
+    free(scratch->arc);
+    free(scratch->end);
+    free(scratch->order);
+    free(scratch->link);
+    *scratch = (struct gd__face_scratch){0};
+}
+
+/* --- ends ---------------------------------------------------------------------------------------------------------------- */
+
+static enum gd_status append_end(struct gd__face_scratch *scratch, struct gd__end end)
+{
+    struct gd__end *grown = gd__array_reserve(scratch->end, &scratch->end_capacity, scratch->end_count + 1, sizeof end);
+    if (!grown) return GD_NO_MEMORY;
+    scratch->end = grown;
+    scratch->end[scratch->end_count++] = end;
+    return GD_OK;
+}
+
+/* Walking round the face counter-clockwise, a line comes in where the walk comes from below the level. */
+static enum gd_status append_crossings(const struct work *work, uint32_t face)
+{
+    const struct gd_mesh *mesh = work->field->mesh;
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 3; k++) {
+        uint32_t side = mesh->face_side[face][k], edge = side >> 1;
+        double length = mesh->side[side].length;
+        for (uint32_t i = work->parts->first_crossing[edge]; i < work->parts->first_crossing[edge + 1] && !status;
+             i++) {
+            const struct gd__crossing *crossing = &work->parts->crossing[i];
+            double t = side & 1 ? length - crossing->t : crossing->t;
+            status = append_end(work->scratch,
+                                (struct gd__end){.at = gd__frame_place(&work->scratch->sources.frame, k, t, 0),
+                                                 .arc = GD_NONE,
+                                                 .crossing = i,
+                                                 .goes_on = crossing->from_below != (side & 1),
+                                                 .match = GD_NONE});
+        }
+    }
+    return status;
+}
+
+/* --- arcs ---------------------------------------------------------------------------------------------------------------- */
+
+/* Rounding may leave an arc where wedges do not quite join: there the distance is not the level's. */
+static bool is_at_level(const struct work *work, struct gd__local at)
+{
+    const struct gd__sources *sources = &work->scratch->sources;
+    struct gd_point point = gd__frame_point(work->field->mesh, sources->face, &sources->frame, at);
+    struct gd__way way;
+    gd__field_way(work->field, &point, &way);
+    return way.distance >= work->level * (1 - GD_TOL_CHECK) - gd__envelope_slack(work->level, sources->frame.size);
+}
+
+static enum gd_status append_arc(struct gd__face_scratch *scratch, struct gd__arc arc)
+{
+    struct gd__arc *grown = gd__array_reserve(scratch->arc, &scratch->arc_capacity, scratch->arc_count + 1, sizeof arc);
+    if (!grown) return GD_NO_MEMORY;
+    scratch->arc = grown;
+    arc.start = scratch->end_count;
+    arc.stop = arc.start + 1;
+    struct gd__end end = {.arc = scratch->arc_count, .crossing = GD_NONE, .match = GD_NONE};
+    scratch->arc[scratch->arc_count++] = arc;
+    end.at = gd__circle_place(&arc.circle, arc.from);
+    enum gd_status status = append_end(scratch, end);
+    end.at = gd__circle_place(&arc.circle, arc.to);
+    end.goes_on = true;
+    return status ? status : append_end(scratch, end);
+}
+
+static enum gd_status append_arcs(const struct work *work)
+{
+    struct gd__face_scratch *scratch = work->scratch;
+    const struct gd__sources *sources = &scratch->sources;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < sources->count && !status; i++) {
+        struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
+        status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
+        for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
+            arc.from = scratch->spans.span[k].from;
+            arc.to = scratch->spans.span[k].to;
+            if (is_at_level(work, gd__circle_place(&arc.circle, 0.5 * (arc.from + arc.to))))
+                status = append_arc(scratch, arc);
+        }
+    }
+    return status;
+}
+
+/* --- matching ------------------------------------------------------------------------------------------------------------ */
+
+static int by_place(const void *a, const void *b)
+{
+    const struct gd__order *x = a, *y = b;
+    if (x->x != y->x) return x->x < y->x ? -1 : 1;
+    return (x->end > y->end) - (x->end < y->end);
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    const struct gd__link *x = a, *y = b;
+    if (x->apart != y->apart) return x->apart < y->apart ? -1 : 1;
+    if (x->from != y->from) return x->from < y->from ? -1 : 1;
+    return (x->to > y->to) - (x->to < y->to);
+}
+
+/* The ends that have no match, in order of x. GD_NO_MEMORY. */
+static enum gd_status sort_ends(struct gd__face_scratch *scratch, uint32_t *count)
+{
+    struct gd__order *order =
+        gd__array_reserve(scratch->order, &scratch->order_capacity, scratch->end_count + 1, sizeof *order);
+    if (!order) return GD_NO_MEMORY;
+    scratch->order = order;
+    *count = 0;
+    for (uint32_t i = 0; i < scratch->end_count; i++)
+        if (scratch->end[i].match == GD_NONE) order[(*count)++] = (struct gd__order){scratch->end[i].at.x, i};
+    qsort(order, *count, sizeof *order, by_place);
+    return GD_OK;
+}
+
+static enum gd_status append_link(struct gd__face_scratch *scratch, uint32_t a, uint32_t b)
+{
+    const struct gd__end *from = &scratch->end[a], *to = &scratch->end[b];
+    if (from->goes_on == to->goes_on) return GD_OK;
+    struct gd__link *grown =
+        gd__array_reserve(scratch->link, &scratch->link_capacity, scratch->link_count + 1, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    scratch->link = grown;
+    double dx = to->at.x - from->at.x, dy = to->at.y - from->at.y;
+    scratch->link[scratch->link_count++] =
+        (struct gd__link){dx * dx + dy * dy, from->goes_on ? a : b, from->goes_on ? b : a};
+    return GD_OK;
+}
+
+/* Matches ends that lie no farther apart than `reach` along x, the nearest ones first. */
+static enum gd_status match_within(struct gd__face_scratch *scratch, double reach)
+{
+    uint32_t count;
+    enum gd_status status = sort_ends(scratch, &count);
+    scratch->link_count = 0;
+    for (uint32_t i = 0; i < count && !status; i++)
+        for (uint32_t k = i + 1; k < count && scratch->order[k].x - scratch->order[i].x <= reach && !status; k++)
+            status = append_link(scratch, scratch->order[i].end, scratch->order[k].end);
+    if (status || !scratch->link_count) return status;
+    qsort(scratch->link, scratch->link_count, sizeof *scratch->link, by_distance);
+    for (uint32_t i = 0; i < scratch->link_count; i++) {
+        struct gd__end *from = &scratch->end[scratch->link[i].from], *to = &scratch->end[scratch->link[i].to];
+        if (from->match != GD_NONE || to->match != GD_NONE) continue;
+        from->match = scratch->link[i].to;
+        to->match = scratch->link[i].from;
+    }
+    return GD_OK;
+}
+
+/* There are as many ends that go on as ends at which lines arrive: each gets its match. */
+static enum gd_status match_ends(struct gd__face_scratch *scratch)
+{
+    enum gd_status status = match_within(scratch, GD_TOL_MEET * scratch->sources.frame.size);
+    return status ? status : match_within(scratch, INFINITY);
+}
+
+/* --- chains -------------------------------------------------------------------------------------------------------------- */
+
+static enum gd_status append_piece(struct gd__parts *parts, const struct gd__piece *piece)
+{
+    struct gd__piece *grown =
+        gd__array_reserve(parts->piece, &parts->piece_capacity, parts->piece_count + 1, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    parts->piece = grown;
+    parts->piece[parts->piece_count++] = *piece;
+    return GD_OK;
+}
+
+static enum gd_status append_chain(struct gd__parts *parts, const struct gd__chain *chain)
+{
+    struct gd__chain *grown =
+        gd__array_reserve(parts->chain, &parts->chain_capacity, parts->chain_count + 1, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    parts->chain = grown;
+    parts->chain[parts->chain_count++] = *chain;
+    return GD_OK;
+}
+
+/* The point where an end lies: crossings are points of their edge. */
+static struct gd_point point_of(const struct work *work, const struct gd__end *end)
+{
+    const struct gd_mesh *mesh = work->field->mesh;
+    const struct gd__sources *sources = &work->scratch->sources;
+    if (end->crossing != GD_NONE) return gd__crossing_point(mesh, &work->parts->crossing[end->crossing]);
+    return gd__frame_point(mesh, sources->face, &sources->frame, end->at);
+}
+
+/* The angle nearest to `angle` under which a circle's centre sees a place. */
+static double angle_near(const struct gd__circle *circle, double angle, struct gd__local at)
+{
+    return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);
+}
+
+/* An arc as a piece from one end to another, at which it is taken to start and to stop. */
+static struct gd__piece piece_of(const struct work *work, const struct gd__arc *arc, const struct gd__end *start,
+                                 const struct gd__end *stop)
+{
+    return (struct gd__piece){.face = work->scratch->sources.face,
+                              .start = point_of(work, start),
+                              .centre = arc->circle.centre,
+                              .radius = arc->circle.radius,
+                              .from = arc->circle.zero + angle_near(&arc->circle, arc->from, start->at),
+                              .to = arc->circle.zero + angle_near(&arc->circle, arc->to, stop->at)};
+}
+
+/* Two crossings between which no arc was found: there is none but by rounding. One about the source that suits both best stands in for it. */
+static enum gd_status bridge(const struct work *work, const struct gd__end *entry, const struct gd__end *exit)
+{
+    const struct gd__sources *sources = &work->scratch->sources;
+    double least = INFINITY;
+    uint32_t best = 0;
+    if (!sources->count || (entry->at.x == exit->at.x && entry->at.y == exit->at.y)) return GD_OK;
+    for (uint32_t i = 0; i < sources->count; i++) {
+        double misfit = fabs(gd__source_distance(&sources->source[i], entry->at) - work->level) +
+                        fabs(gd__source_distance(&sources->source[i], exit->at) - work->level);
+        if (misfit >= least) continue;
+        least = misfit;
+        best = i;
+    }
+    struct gd__arc arc = {.circle = gd__circle_of(sources, best, work->level)};
+    arc.from = arc.to = gd__circle_angle(&arc.circle, entry->at);
+    struct gd__piece piece = piece_of(work, &arc, entry, exit);
+    return append_piece(work->parts, &piece);
+}
+
+/* Appends the arcs that follow an end that goes on: up to the crossing where they leave, or back to the first. */
+static enum gd_status chain_from(const struct work *work, const struct gd__end *entry)
+{
+    struct gd__face_scratch *scratch = work->scratch;
+    struct gd__chain chain = {.entry = entry->crossing, .exit = GD_NONE, .first = work->parts->piece_count};
+    const struct gd__end *start = &scratch->end[entry->match];
+    enum gd_status status = GD_OK;
+    bool is_first = true;
+    while (start->arc != GD_NONE && !scratch->arc[start->arc].is_chained && !status) {
+        struct gd__arc *arc = &scratch->arc[start->arc];
+        const struct gd__end *next = &scratch->end[scratch->end[arc->stop].match];
+        struct gd__piece piece = piece_of(work, arc, is_first && entry->arc == GD_NONE ? entry : start, next);
+        status = append_piece(work->parts, &piece);
+        arc->is_chained = chain.has_arcs = true;
+        is_first = false;
+        start = next;
+    }
+    if (!status && start->arc == GD_NONE) chain.exit = start->crossing;
+    if (!status && !chain.has_arcs) status = bridge(work, entry, start);
+    chain.count = work->parts->piece_count - chain.first;
+    return status ? status : append_chain(work->parts, &chain);
+}
+
+static enum gd_status append_chains(const struct work *work)
+{
+    struct gd__face_scratch *scratch = work->scratch;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < scratch->end_count && !status; i++) {
+        const struct gd__end *end = &scratch->end[i];
+        if (end->crossing != GD_NONE && end->goes_on) status = chain_from(work, end);
+    }
+    for (uint32_t i = 0; i < scratch->arc_count && !status; i++) {
+        const struct gd__arc *arc = &scratch->arc[i];
+        if (!arc->is_chained) status = chain_from(work, &scratch->end[scratch->end[arc->start].match]);
+    }
+    return status;
+}
+
+enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
+                                      struct gd__face_scratch *scratch, struct gd__parts *parts)
+{
+    struct work work = {field, level, scratch, parts};
+    scratch->arc_count = scratch->end_count = 0;
+    enum gd_status status = gd__sources_gather(field, face, level, &scratch->sources);
+    if (!status) status = append_crossings(&work, face);
+    if (!status) status = append_arcs(&work);
+    if (!status) status = match_ends(scratch);
+    return status ? status : append_chains(&work);
+}

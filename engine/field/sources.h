@@ -1,0 +1,48 @@
+/* Sources: all that a face sees its distances from, laid into the face's plane. The distance at a point of the face is the least of
+ * sigma + |point - source| over the sources that see the point: the lower envelope of cones.
+ *
+ * Sources are the unfolded pseudo-sources of the wedges that look into the face, each seeing a sector behind its wedge; the seeds in the face;
+ * and the face's corners, from which the straight way always exists. Of sources that tie the one that comes first counts. */
+#ifndef GD_FIELD_SOURCES_H
+#define GD_FIELD_SOURCES_H
+
+#include "field/frame.h"
+
+struct gd__source {
+    struct gd__local at;
+    double sigma;
+    bool has_sector;
+    struct gd__local left, right; /* unit normals into the sector, of the lines that bound it, which pass the source */
+    double nearest, farthest;     /* distances that it enters the face with: least, and greatest */
+};
+
+/* All zero is empty; reused from face to face. */
+struct gd__sources {
+    uint32_t face;
+    struct gd__frame frame;
+    struct gd__source *source;
+    uint32_t count, capacity;
+};
+
+/* The sources of a face whose nearest distance is less than `most`. GD_NO_MEMORY. O(wedges of its edges). */
+GD_MUST_USE enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, double most,
+                                              struct gd__sources *out);
+void gd__sources_destroy(struct gd__sources *sources);
+
+/* Window `i` of a chunk in the frame of `side`, and lengthened by what its stored ends may be short of. False: it is a gap. */
+bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i, uint32_t side,
+                        struct gd__window *out);
+
+static inline double gd__source_distance(const struct gd__source *source, struct gd__local at)
+{
+    double dx = at.x - source->at.x, dy = at.y - source->at.y;
+    return source->sigma + sqrt(dx * dx + dy * dy);
+}
+
+/* What distances as far as a level, at places within that size, may be off by from rounding. */
+static inline double gd__envelope_slack(double level, double size)
+{
+    return GD_TOL_ENVELOPE * level + GD_TOL_PLACE * size;
+}
+
+#endif

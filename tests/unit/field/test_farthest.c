@@ -1,0 +1,304 @@
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "gd/field.h"
+#include "gd/locate.h"
+#include "tests/samples/samples.h"
+#include "tests/samples/zoo.h"
+
+static const double promise = 1e-9;
+
+static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+{
+    struct gd_field *field = NULL;
+    struct gd_detail detail = {0};
+    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    return field;
+}
+
+static struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
+{
+    struct gd_point point;
+    double moved;
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, 1e-9, &point, &moved, NULL), NULL);
+    return point;
+}
+
+/* The farthest point, whose distance is the one that the field gives there. */
+static struct gd_vec3 farthest(const struct gd_field *field, struct gd_point *point, double *distance)
+{
+    double again;
+    check_ok(gd_field_farthest(field, NULL, point, distance), NULL);
+    check_ok(gd_field_distance(field, point, &again), NULL);
+    assert_true(again == *distance);
+    return gd_point_position(gd_field_mesh(field), point);
+}
+
+/* From the middle of a face of a cube the farthest point is the middle of the face opposite, as far over each of the four others. */
+static void of_a_cube(void **state)
+{
+    (void)state;
+    for (uint32_t cells = 1; cells <= 4; cells++) {
+        struct gd_polygons polygons;
+        check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_seed seed = {.point = point_at(mesh, 0.5, 0.5, 1)};
+        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        struct gd_point point;
+        double distance;
+        struct gd_vec3 at = farthest(field, &point, &distance);
+        check_close(distance, 2, promise);
+        assert_true(gd_vec3_distance(at, (struct gd_vec3){0.5, 0.5, 0}) < 1e-8);
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+/* Kotani's ant: on a box of 1 x 1 x 2 the farthest point from a corner is not the corner opposite, but a quarter of the far square's diagonal
+ * away from it. */
+static void of_the_box_1_1_2(void **state)
+{
+    (void)state;
+    for (uint32_t cells = 1; cells <= 3; cells++) {
+        struct gd_polygons polygons;
+        check_ok(sample_box((double[3]){1, 1, 2}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_seed seed = {.point = point_at(mesh, 0, 0, 0)};
+        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        struct gd_point point;
+        double distance;
+        struct gd_vec3 at = farthest(field, &point, &distance);
+        check_close(distance, sqrt(130) / 4, promise);
+        assert_true(gd_vec3_distance(at, (struct gd_vec3){0.75, 0.75, 2}) < 1e-8);
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+/* In a square: a corner from one seed; from two, a point of the boundary; from four, one inside. */
+static void of_a_square(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_grid(3, 2, 1, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seeds[4] = {{.point = point_at(mesh, 0.3, 0.45, 0)}};
+    struct gd_point point;
+    double distance;
+    struct gd_field *field = field_of(mesh, seeds, 1, 0);
+    struct gd_vec3 at = farthest(field, &point, &distance);
+    assert_int_equal(point.kind, GD_POINT_VERTEX);
+    check_close(distance, hypot(0.7, 0.55), 1e-14);
+    assert_true(gd_vec3_distance(at, (struct gd_vec3){1, 1, 0}) == 0);
+    gd_field_release(field);
+
+    seeds[0].point = point_at(mesh, 0, 0.1, 0);
+    seeds[1].point = point_at(mesh, 1, 0.1, 0);
+    field = field_of(mesh, seeds, 2, 0);
+    at = farthest(field, &point, &distance);
+    assert_int_equal(point.kind, GD_POINT_EDGE);
+    check_close(distance, hypot(0.5, 0.9), promise);
+    assert_true(gd_vec3_distance(at, (struct gd_vec3){0.5, 1, 0}) < promise);
+    gd_field_release(field);
+
+    const double corner[4][2] = {{0, 0}, {1, 0.05}, {0.9, 1}, {0, 1}};
+    for (int i = 0; i < 4; i++) seeds[i] = (struct gd_seed){point_at(mesh, corner[i][0], corner[i][1], 0), 0.01 * i};
+    field = field_of(mesh, seeds, 4, 0);
+    at = farthest(field, &point, &distance);
+    assert_int_equal(point.kind, GD_POINT_FACE);
+    int nearest = 0;
+    for (int i = 0; i < 4; i++) {
+        double d = seeds[i].offset + hypot(at.x - corner[i][0], at.y - corner[i][1]);
+        assert_true(d > distance * (1 - 1e-12));
+        nearest += d < distance * (1 + 1e-12);
+    }
+    assert_int_equal(nearest, 3);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* --- the pillow: a unit square covered twice ------------------------------------------------------------------------------ */
+
+static double over_pillow(const double p[3], const double q[3])
+{
+    if (p[2] == q[2]) return hypot(p[0] - q[0], p[1] - q[1]);
+    double best = INFINITY;
+    for (int axis = 0; axis < 2; axis++) {
+        double along = p[!axis] - q[!axis];
+        best = fmin(best, hypot(p[axis] + q[axis], along));
+        best = fmin(best, hypot(2 - p[axis] - q[axis], along));
+    }
+    return best;
+}
+
+/* The greatest distance by closer and closer grids. */
+static double greatest_over_pillow(const double seed[2][3])
+{
+    double best = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        double x = 0.5, y = 0.5, reach = 0.5, top = 0;
+        for (int round = 0; round < 26; round++) {
+            int steps = round ? 10 : 400;
+            double bx = x, by = y;
+            for (int i = -steps; i <= steps; i++) {
+                for (int k = -steps; k <= steps; k++) {
+                    double p[3] = {fmin(fmax(x + reach * i / steps, 0), 1), fmin(fmax(y + reach * k / steps, 0), 1),
+                                   side};
+                    double d = fmin(over_pillow(seed[0], p), over_pillow(seed[1], p));
+                    if (d <= top) continue;
+                    top = d;
+                    bx = p[0];
+                    by = p[1];
+                }
+            }
+            x = bx;
+            y = by;
+            reach = round ? 0.4 * reach : 0.01;
+        }
+        best = fmax(best, top);
+    }
+    return best;
+}
+
+/* The place of a vertex of a face in the chart, weighed. */
+static void in_chart(const struct zoo_shape *shape, const struct test_place *place, double out[3])
+{
+    double z = 0;
+    out[0] = out[1] = 0;
+    for (int k = 0; k < 3; k++) {
+        const double *chart = shape->chart[shape->mesh.corners[3 * place->face + (uint32_t)k]];
+        out[0] += place->weight[k] * chart[0];
+        out[1] += place->weight[k] * chart[1];
+        z += place->weight[k] * chart[2];
+    }
+    out[2] = z > 0 ? 1 : -1;
+}
+
+static void of_a_pillow(void **state)
+{
+    (void)state;
+    struct rng rng = {9};
+    uint32_t inside = 0;
+    for (int round = 0; round < 12; round++) {
+        struct zoo_shape shape;
+        check_ok(zoo_pillow((double[]){1, 1, 1 + round % 3}, &shape), NULL);
+        struct gd_mesh *mesh = test_mesh(&shape.mesh);
+        struct gd_seed seeds[2] = {0};
+        double chart[2][3];
+        for (int i = 0; i < 2; i++) {
+            struct test_place place = {.face = rng_below(&rng, shape.mesh.polygon_count), .weight = {0.3, 0.25, 0.45}};
+            seeds[i].point = test_point(mesh, place);
+            in_chart(&shape, &place, chart[i]);
+        }
+        struct gd_field *field = field_of(mesh, seeds, 2, 0);
+        struct gd_point point;
+        double distance;
+        farthest(field, &point, &distance);
+        check_close(distance, greatest_over_pillow(chart), 1e-8);
+        inside += point.kind == GD_POINT_FACE;
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        zoo_shape_free(&shape);
+    }
+    print_message("# pillows: %u of 12 farthest points inside a face\n", inside);
+    assert_true(inside > 0);
+}
+
+/* --- any surface --------------------------------------------------------------------------------------------------------- */
+
+/* No point of any face is farther, and none close to the farthest. */
+static void of_any_surface(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double values[SAMPLE_PARAMETERS];
+    } surfaces[] = {{"icosphere", {2, 1}}, {"torus", {20, 10, 1, 0.4}}, {"terrain", {10, 0.3, 7}},
+                    {"genus2", {2, 0.03}}, {"saddle", {1, 0.6, 5, 6}},  {"cylinder", {0.1, 3, 16, 5}},
+                    {"tangle", {200, 11}}, {"tetrahedron", {1, 2}}};
+    for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
+        struct gd_polygons polygons;
+        check_ok(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct rng rng = {s};
+        uint32_t kinds[3] = {0};
+        for (int round = 0; round < 8; round++) {
+            struct gd_seed seeds[3] = {0};
+            for (int i = 0; i < 3; i++) seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
+            struct gd_field *field = field_of(mesh, seeds, round % 2 ? 3 : 1, 0);
+            struct gd_point point;
+            double distance;
+            farthest(field, &point, &distance);
+            kinds[point.kind]++;
+            struct gd_point_description d;
+            gd_point_describe(mesh, &point, &d);
+            for (int k = 0; k < 20000; k++) {
+                struct test_place place = test_random_place(&polygons, &rng);
+                if (k % 2) { /* beside the farthest one, in one of its faces */
+                    double near = pow(10, -1 - rng_between(&rng, 0, 6));
+                    place = (struct test_place){.face = d.face.index};
+                    double toward[3] = {rng_between(&rng, 0, 1), rng_between(&rng, 0, 1), rng_between(&rng, 0, 1)};
+                    for (int i = 0; i < 3; i++)
+                        place.weight[i] =
+                            (1 - near) * d.barycentric[i] + near * toward[i] / (toward[0] + toward[1] + toward[2]);
+                }
+                double other;
+                struct gd_point q = test_point(mesh, place);
+                check_ok(gd_field_distance(field, &q, &other), NULL);
+                assert_true(isinf(other) || other <= distance * (1 + 1e-12));
+            }
+            gd_field_release(field);
+        }
+        print_message("# %s: farthest points %u vertices, %u on edges, %u in faces\n", surfaces[s].name,
+                      kinds[GD_POINT_VERTEX], kinds[GD_POINT_EDGE], kinds[GD_POINT_FACE]);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+static bool never(void *user, double fraction)
+{
+    (void)user, (void)fraction;
+    return false;
+}
+
+static void what_is_left_out_and_refused(void **state)
+{
+    (void)state;
+    double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
+    uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
+    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&two);
+    struct gd_seed seeds[2] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
+                               {.point = test_point(mesh, (struct test_place){0, {0, 1, 0}})}};
+    struct gd_field *field = field_of(mesh, seeds, 1, 0), *partial = field_of(mesh, seeds, 1, 0.5),
+                    *pair = field_of(mesh, seeds, 2, 0);
+    struct gd_point point = {.element = 7};
+    double distance = 7;
+    assert_int_equal(gd_field_farthest(partial, NULL, &point, &distance), GD_BEYOND_REACH);
+    struct gd_control cancel = {.progress = never};
+    assert_int_equal(gd_field_farthest(pair, &cancel, &point, &distance), GD_CANCELLED);
+    assert_true(distance == 7 && point.element == 7);
+    check_ok(gd_field_farthest(field, NULL, &point, &distance), NULL);
+    assert_true(distance == 1);
+    gd_field_release(field);
+    gd_field_release(partial);
+    gd_field_release(pair);
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(of_a_cube),      cmocka_unit_test(of_the_box_1_1_2),
+        cmocka_unit_test(of_a_square),    cmocka_unit_test(of_a_pillow),
+        cmocka_unit_test(of_any_surface), cmocka_unit_test(what_is_left_out_and_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

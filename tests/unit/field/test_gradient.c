@@ -1,0 +1,138 @@
+#include "tests/support/test.h"
+
+#include <math.h>
+
+#include "gd/field.h"
+#include "tests/samples/samples.h"
+
+enum { POINTS = 400 };
+
+static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+{
+    struct gd_field *field = NULL;
+    struct gd_detail detail = {0};
+    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    return field;
+}
+
+static double distance_at(const struct gd_field *field, const struct gd_point *point)
+{
+    double distance;
+    check_ok(gd_field_distance(field, point, &distance), NULL);
+    return distance;
+}
+
+static struct gd_vec3 unit_between(struct gd_vec3 from, struct gd_vec3 to)
+{
+    struct gd_vec3 way = gd_vec3_sub(to, from);
+    return gd_vec3_scale(way, 1 / gd_vec3_length(way));
+}
+
+/* In the plane the gradient points straight away from the source, at vertices, edges and faces. */
+static void in_the_plane(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_grid(7, 5, 3, 2, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct rng rng = {1};
+    double worst = 0;
+    for (int s = 0; s < 12; s++) {
+        struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons, &rng))};
+        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        for (int k = 0; k < POINTS; k++) {
+            struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
+            if (gd_point_equal(&point, &seed.point)) continue;
+            struct gd_vec3 gradient,
+                expected = unit_between(gd_point_position(mesh, &seed.point), gd_point_position(mesh, &point));
+            check_ok(gd_field_gradient(field, &point, &gradient), NULL);
+            worst = fmax(worst, gd_vec3_distance(gradient, expected));
+        }
+        gd_field_release(field);
+    }
+    print_message("# gradients in the plane: worst error %.1e\n", worst);
+    assert_true(worst < 1e-12);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* On any surface the path leaves against it. */
+static void the_path_leaves_against_it(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        double values[SAMPLE_PARAMETERS];
+    } surfaces[] = {{"terrain", {14, 0.8, 3}}, {"saddle", {1, 0.6, 5, 6}}, {"obstacles", {5, 1, 3}},
+                    {"genus2", {3, 0.03}},     {"tangle", {150, 11}},      {"cylinder", {0.1, 3, 16, 5}}};
+    for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
+        struct gd_polygons polygons;
+        check_ok(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct rng rng = {s};
+        struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
+                                   {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1}};
+        struct gd_field *field = field_of(mesh, seeds, 2, 0);
+        double worst = 0;
+        uint32_t asked = 0;
+        for (int k = 0; k < POINTS; k++) {
+            struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
+            struct gd_vec3 gradient;
+            struct gd_path path;
+            enum gd_status status = gd_field_gradient(field, &point, &gradient);
+            if (status) { /* the seed itself, or another component */
+                assert_int_equal(status, isinf(distance_at(field, &point)) ? GD_NOT_ON_SURFACE : GD_INVALID_ARGUMENT);
+                continue;
+            }
+            check_ok(gd_field_path(field, &point, &path), NULL);
+            assert_true(fabs(gd_vec3_length(gradient) - 1) < 1e-14);
+            struct gd_vec3 here = gd_point_position(mesh, &path.points[0]),
+                           next = gd_point_position(mesh, &path.points[1]);
+            if (gd_vec3_distance(here, next) > 1e-4)
+                worst = fmax(worst, gd_vec3_distance(gradient, unit_between(next, here)));
+            asked++;
+            gd_path_free(&path);
+        }
+        print_message("# %s: %u gradients, worst error %.1e\n", surfaces[s].name, asked, worst);
+        assert_true(worst < 1e-6 && asked > 100);
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+static void where_there_is_none(void **state)
+{
+    (void)state;
+    double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
+    uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
+    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&two);
+    const struct test_place places[3] = {{0, {1, 0, 0}}, {0, {0.5, 0.5, 0}}, {0, {0.5, 0.25, 0.25}}};
+    struct gd_point far = test_point(mesh, (struct test_place){0, {0, 0, 1}}),
+                    apart = test_point(mesh, (struct test_place){1, {0.2, 0.3, 0.5}});
+    for (int i = 0; i < 3; i++) {
+        struct gd_seed seed = {.point = test_point(mesh, places[i])};
+        struct gd_field *whole = field_of(mesh, &seed, 1, 0), *partial = field_of(mesh, &seed, 1, 0.25);
+        struct gd_vec3 gradient = {7, 7, 7};
+        assert_int_equal(gd_field_gradient(whole, &seed.point, &gradient), GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_field_gradient(whole, &apart, &gradient), GD_NOT_ON_SURFACE);
+        assert_int_equal(gd_field_gradient(partial, &far, &gradient), GD_BEYOND_REACH);
+        assert_true(gradient.x == 7 && gradient.y == 7 && gradient.z == 7);
+        check_ok(gd_field_gradient(whole, &far, &gradient), NULL);
+        gd_field_release(whole);
+        gd_field_release(partial);
+    }
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(in_the_plane),
+        cmocka_unit_test(the_path_leaves_against_it),
+        cmocka_unit_test(where_there_is_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
