@@ -19,14 +19,17 @@ static enum gd_status count_components(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     mesh->component = gd__mesh_array(mesh, work->component_count, sizeof *mesh->component);
     if (!mesh->component) return GD_NO_MEMORY;
-    for (uint32_t f = 0; f < mesh->face_count; f++) mesh->component[work->component[f]].faces++;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) mesh->component[mesh->vertex_component[v]].vertices++;
-    for (uint32_t e = 0; e < mesh->edge_count; e++) {
-        struct gd_component *component = &mesh->component[mesh->vertex_component[mesh->origin[2 * e]]];
-        component->edges++;
-        component->mean_edge += mesh->side[2 * e].length;
+    for (uint32_t f = 0; f < mesh->face_count; f++) {
+        struct gd_component *component = &mesh->component[work->component[f]];
+        double shortest = HUGE_VAL;
+        for (int k = 0; k < 3; k++) shortest = fmin(shortest, mesh->side[mesh->face_side[f][k]].length);
+        component->faces++;
+        component->grain += shortest;
     }
-    for (uint32_t c = 0; c < work->component_count; c++) mesh->component[c].mean_edge /= mesh->component[c].edges;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) mesh->component[mesh->vertex_component[v]].vertices++;
+    for (uint32_t e = 0; e < mesh->edge_count; e++)
+        mesh->component[mesh->vertex_component[mesh->origin[2 * e]]].edges++;
+    for (uint32_t c = 0; c < work->component_count; c++) mesh->component[c].grain /= mesh->component[c].faces;
     return GD_OK;
 }
 

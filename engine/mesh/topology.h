@@ -44,7 +44,7 @@ struct gd_fan {
 
 struct gd_component {
     uint32_t faces, vertices, edges, boundaries;
-    double mean_edge; /* inside unit */
+    double grain; /* mean of the shortest edges of its faces, inside unit */
 };
 
 struct gd_bvh; /* locate.c */

@@ -10,7 +10,7 @@
 #define TURN_WORK      4096  /* sides and vertices: a millisecond or two */
 #define DIRECTIONS     9     /* tried for the cut */
 #define SAMPLES        1024  /* faces that tell how evenly a cut divides */
-#define BUDGET_AN_EDGE 4096  /* bytes: with less there may be no room for two of all */
+#define BUDGET_AN_EDGE 1000  /* bytes: with less there may be no room for two of all */
 
 /* --- mail ---------------------------------------------------------------------------------------------------------------- */
 
@@ -146,10 +146,13 @@ static void link_chunk(struct gd__wavefront *front, uint32_t edge, uint32_t at)
     *next = at;
 }
 
+/* From here on all of the budget is the first one's, but for what the second one still has. */
 static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__wavefront *other)
 {
     struct gd__region *own = &front->work->wedges;
     const struct gd__region *from = &other->work->wedges;
+    own->control = front->monitor;
+    own->overhead += gd__workspace_need(front->mesh) + from->used;
     enum gd_status status = gd__region_reserve(own, from->used);
     if (status) return status;
     uint32_t shift = (uint32_t)(own->used / GD__CHUNK_UNIT);
@@ -265,10 +268,10 @@ static enum gd_status propagate_pair(struct gd__wavefront *front, const struct g
                                    {.side_part = side_part, .vertex_parts = vertex_parts, .part = 1}}};
     enum gd_status status = open_pair(&pair, propagation, share);
     if (!status) status = propagate(&pair, front->monitor, executor);
+    pair.front[0].monitor = front->monitor;
     if (!status) status = take_all(&pair.front[0], &pair.front[1]);
     for (int part = 0; part < 2; part++) free_mail(&pair.domain[part].mail);
     gd__workspace_clean(partner);
-    pair.front[0].monitor = front->monitor;
     pair.front[0].domain = NULL;
     *front = pair.front[0];
     return status;

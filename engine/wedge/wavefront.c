@@ -3,7 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BUCKET_WIDTH  0.25 /* of the mean edge: measured, see doc/001 */
+#define BUCKET_WIDTH                                                                                                   \
+    0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on needles */
 #define KEY_WEIGHT    0.25 /* a side's key between the nearer and the farther end's distance */
 #define CHECK_WINDOWS 8192 /* propagated between two looks at the monitor, where an item counts as */
 #define ITEM_WINDOWS  16   /* so many besides: well under a millisecond */
@@ -122,12 +123,12 @@ static void aim(struct gd__wavefront *front, const struct gd_point *target)
 /* Buckets fit the smallest component that holds a seed: one that is a million times smaller than another must not fall into one bucket. */
 static double bucket_width(const struct gd__wavefront *front)
 {
-    double mean = GD__FAR;
+    double least = GD__FAR;
     for (uint32_t i = 0; i < front->seed_count; i++) {
-        double edge = front->mesh->component[gd_point_component(front->mesh, &front->seeds[i].point)].mean_edge;
-        if (edge < mean) mean = edge;
+        double grain = front->mesh->component[gd_point_component(front->mesh, &front->seeds[i].point)].grain;
+        if (grain < least) least = grain;
     }
-    return BUCKET_WIDTH * mean;
+    return BUCKET_WIDTH * least;
 }
 
 /* Windows that no surface of sense comes near: the square root is what smooth ones grow by. */

@@ -145,7 +145,7 @@ static void limits(void **state)
     assert_int_equal(calls, 5);
     assert_int_equal(gd_field_build(mesh, &request, &late, &executor, &field, NULL), GD_DEADLINE);
     uint32_t before = turns; /* a budget that may not do for two */
-    struct gd_control tight = {.budget_bytes = 2000 * (size_t)mesh->edge_count};
+    struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count};
     check_ok(gd_field_build(mesh, &request, &tight, &executor, &field, NULL), NULL);
     assert_int_equal(turns, before);
     gd_field_release(field);

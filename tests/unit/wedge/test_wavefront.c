@@ -62,10 +62,38 @@ static void a_runaway_is_stopped(void **state)
     gd_workspace_destroy(workspace);
 }
 
+/* Windows of a mantle of needles with that many sides. */
+static double windows_of_needles(uint32_t sides)
+{
+    struct gd_polygons needles;
+    check_ok(sample_cylinder(1, 2, sides, 2, &needles), NULL);
+    struct gd_mesh *open = mesh;
+    struct gd__seed before = seed;
+    uint64_t work = 0;
+    mesh = test_mesh(&needles);
+    seed.point = test_point(mesh, (struct test_place){0, {1, 0, 0}});
+    check_ok(run(0, NULL, &work), NULL);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&needles);
+    mesh = open;
+    seed = before;
+    return (double)work;
+}
+
+/* Faces that are many and narrow hand a window on in one piece, not in as many as they are. */
+static void needles_are_not_quadratic(void **state)
+{
+    (void)state;
+    double few = windows_of_needles(1000), many = windows_of_needles(4000);
+    print_message("# needles: %.0f windows for 4,000 faces, %.0f for 16,000\n", few, many);
+    assert_true(many < 6 * few);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_runaway_is_stopped),
+        cmocka_unit_test(needles_are_not_quadratic),
     };
     return cmocka_run_group_tests(tests, open_mesh, close_mesh);
 }
