@@ -39,6 +39,23 @@ static enum gd_status merge_chunk(const struct gd_field *field, const struct gd_
     return GD_OK;
 }
 
+/* Rounded ends may overlap by a unit or two, and a wedge that went on in pieces is in as many chunks: one behind the other they are one again. */
+static void close_up(struct gd__stack *list, double length)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < list->count; i++) {
+        struct gd__window w = list->windows[i], *last = kept ? &list->windows[kept - 1] : NULL;
+        bool is_same = last && gd__window_same_source(last, &w);
+        if (is_same && w.b0 <= last->b1 + ROUNDED * length) {
+            last->b1 = fmax(last->b1, w.b1);
+            continue;
+        }
+        if (last) w.b0 = fmax(w.b0, last->b1);
+        if (w.b0 < w.b1) list->windows[kept++] = w;
+    }
+    list->count = kept;
+}
+
 static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, struct merger *m)
 {
     enum gd_status status = gd__stack_reserve(&m->list, 1);
@@ -47,6 +64,7 @@ static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, st
         status = merge_chunk(field, chunk, field->mesh->side[2 * edge].length, m);
         at = chunk->previous;
     }
+    close_up(&m->list, field->mesh->side[2 * edge].length);
     return status;
 }
 
