@@ -4,8 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- the document
- * ------------------------------------------------------------------------------------------------------- */
+/* --- the document ------------------------------------------------------------------------------------------------- */
 
 /* Offset of the first bracket that nests too deep, or `size`. Whether the brackets match is the parser's concern. */
 static size_t first_too_deep(const char *text, size_t size)
@@ -39,8 +38,10 @@ static json_t *parse(const char *text, size_t size, struct proto_problem *proble
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                           "there is no memory for the request; try again later");
     } else {
-        proto_problem_refuse(problem, "", "the body is not JSON that can be taken: line %d, column %d, byte %d: %s",
-                             error.line, error.column, error.position, error.text);
+        char line[24] = ""; /* the first one goes without saying: it may be a line of a batch */
+        if (error.line > 1) snprintf(line, sizeof line, "line %d, ", error.line);
+        proto_problem_refuse(problem, "", "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
+                             error.column, error.position, error.text);
     }
     return NULL;
 }
@@ -61,8 +62,7 @@ json_t *proto_decode_document(const void *bytes, size_t size, struct proto_probl
     return parse(bytes, size, problem);
 }
 
-/* --- typed access
- * ------------------------------------------------------------------------------------------------------- */
+/* --- typed access ------------------------------------------------------------------------------------------------- */
 
 static const char *type_name(const json_t *value)
 {
@@ -162,8 +162,19 @@ bool proto_decode_index(const json_t *object, const char *place, const char *mem
     return true;
 }
 
-/* --- arrays
- * ------------------------------------------------------------------------------------------------------------- */
+bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
+                       struct proto_problem *problem)
+{
+    const json_t *value = json_object_get(object, member);
+    if (value && !json_is_boolean(value)) {
+        proto_problem_refuse(problem, place, "expected true or false");
+        return proto_problem_descend(problem, member);
+    }
+    *out = json_is_true(value);
+    return true;
+}
+
+/* --- arrays ------------------------------------------------------------------------------------------------------- */
 
 /* The member when it is an array of `count` such scalars, else NULL. */
 static const json_t *decode_array(const json_t *object, const char *place, const char *member, size_t count,

@@ -18,7 +18,8 @@
 
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no number beyond the
  * doubles. All numbers become json_real. `bytes` are borrowed for the call. The caller owns the document (json_decref);
- * NULL with a problem that names line, column and byte. Memory: about 40 bytes a number. */
+ * NULL with a problem that names line (if there are
+ * several), column and byte. Memory: about 40 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
 /* `value` is an object and has no members but `members` (NULL-terminated). */
@@ -34,6 +35,10 @@ bool proto_decode_number(const json_t *object, const char *place, const char *me
                          struct proto_problem *problem);
 bool proto_decode_index(const json_t *object, const char *place, const char *member, uint32_t *out,
                         struct proto_problem *problem);
+
+/* A member that may be left out, for false. */
+bool proto_decode_flag(const json_t *object, const char *place, const char *member, bool *out,
+                       struct proto_problem *problem);
 
 /* The member must be there and be an array of exactly `count` of them. */
 bool proto_decode_numbers(const json_t *object, const char *place, const char *member, size_t count, double *out,

@@ -21,6 +21,7 @@ MAX_SEGMENTS = 6  # PROTO_ROUTE_SEGMENTS
 MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
+PREFER = {"$ref": "#/components/parameters/Prefer"}
 
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
@@ -127,8 +128,15 @@ def check_path_parameters(document, path, item, operation):
         yield f"declares the path parameters {declared}"
 
 
+def takes_preference(item, operation):
+    """True when the operation may be answered by a job."""
+    return PREFER in [*item.get("parameters", []), *operation.get("parameters", [])]
+
+
 def check_operation(document, path, item, operation):
     yield from check_path_parameters(document, path, item, operation)
+    if takes_preference(item, operation) != ("202" in operation.get("responses", {})):
+        yield "has one of the parameter Prefer and the response 202 without the other"
     for field in ("summary", "tags", "responses"):
         if not operation.get(field):
             yield f"has no {field}"
@@ -197,12 +205,13 @@ def literals_first(route):
     return [(bool(CAPTURE.fullmatch(part)), part) for part in segments(path)], METHODS.index(method)
 
 
-def route_row(path, method, operation):
+def route_row(path, item, method, operation):
     parts = [None if CAPTURE.fullmatch(part) else part for part in segments(path)]
     query = query_name(path, method, operation)
     fields = {
         "method": f"PROTO_METHOD_{method.upper()}",
         "has_body": "true" if "requestBody" in operation else "false",
+        "is_async": "true" if takes_preference(item, operation) else "false",
         "operation": c_string(operation["operationId"]),
         "path": c_string(path),
         "query": c_string(query) if query else "NULL",
@@ -220,8 +229,8 @@ def print_routes(document):
     for name in handlers:
         print(f"void server_handle_{name}(struct server_exchange *exchange);")
     print("\nconst struct proto_route proto_routes[] = {")
-    for path, _, method, operation in routes:
-        print(route_row(path, method, operation))
+    for path, item, method, operation in routes:
+        print(route_row(path, item, method, operation))
     print("};\n\nconst size_t proto_route_count = sizeof proto_routes / sizeof proto_routes[0];")
 
 

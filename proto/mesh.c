@@ -1,14 +1,12 @@
 #include "proto/mesh.h"
 
 #include <string.h>
-#include <time.h>
 
 #include "proto/accept.h"
 #include "proto/number.h"
 #include "proto/point.h"
 
-/* --- name
- * --------------------------------------------------------------------------------------------------------------- */
+/* --- name --------------------------------------------------------------------------------------------------------- */
 
 static bool is_name_character(char character, bool first)
 {
@@ -27,8 +25,7 @@ bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem
                              PROTO_MESH_NAME);
 }
 
-/* --- options of an upload
- * ----------------------------------------------------------------------------------------------- */
+/* --- options of an upload ----------------------------------------------------------------------------------------- */
 
 static bool parse_format(const struct proto_parameters *parameters, enum gd_format *out, struct proto_problem *problem)
 {
@@ -82,13 +79,6 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct 
     return true;
 }
 
-bool proto_mesh_options_equal(const struct proto_mesh_options *a, const struct proto_mesh_options *b)
-{
-    const struct gd_mesh_options *x = &a->build, *y = &b->build;
-    return a->format == b->format && x->refuse_polygons == y->refuse_polygons && x->repair_split == y->repair_split &&
-           x->weld == y->weld && x->weld_tolerance == y->weld_tolerance;
-}
-
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,
                                         const char *content_type)
 {
@@ -98,8 +88,7 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
     return gd_format_by_media_type(content_type);
 }
 
-/* --- format on the way out
- * ---------------------------------------------------------------------------------------------- */
+/* --- format on the way out ---------------------------------------------------------------------------------------- */
 
 /* In order of preference at equal quality. */
 static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF, GD_FORMAT_STL};
@@ -132,8 +121,7 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
     return true;
 }
 
-/* --- description
- * -------------------------------------------------------------------------------------------------------- */
+/* --- description -------------------------------------------------------------------------------------------------- */
 
 static void encode_text(struct proto_writer *writer, const char *key, const char *text)
 {
@@ -273,16 +261,6 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
     proto_write_object_end(writer);
 }
 
-static void encode_time(struct proto_writer *writer, const char *key, int64_t seconds)
-{
-    char text[32];
-    struct tm tm;
-    time_t time = (time_t)seconds;
-    size_t size = gmtime_r(&time, &tm) ? strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm) : 0;
-    proto_write_key(writer, key);
-    proto_write_string(writer, size ? text : NULL);
-}
-
 void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
@@ -294,7 +272,8 @@ void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_desc
     encode_repair(writer, description->mesh);
     encode_count(writer, "memory_bytes", description->memory_bytes);
     encode_count(writer, "fields_cached", description->fields_cached);
-    encode_time(writer, "created", description->created);
+    proto_write_key(writer, "created");
+    proto_write_time(writer, description->created);
     encode_text(writer, "etag", description->etag);
     proto_write_object_end(writer);
 }

@@ -26,9 +26,6 @@ struct proto_mesh_options {
 bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct proto_mesh_options *out,
                               struct proto_problem *problem);
 
-/* Do the two make the same mesh from the same bytes? */
-bool proto_mesh_options_equal(const struct proto_mesh_options *a, const struct proto_mesh_options *b);
-
 /* The format of uploaded bytes: what the options say, else what the bytes show, else what Content-Type says (may be
  * NULL). GD_FORMAT_ANY when nothing tells; gd_read_polygons then fails with GD_UNRECOGNIZED. */
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,

@@ -16,8 +16,7 @@ static unsigned find_name(const char *const *names, const char *name, size_t siz
     return MOST_NAMES;
 }
 
-/* --- any query string
- * --------------------------------------------------------------------------------------------------- */
+/* --- any query string --------------------------------------------------------------------------------------------- */
 
 struct check {
     const char *const *allowed;
@@ -92,8 +91,7 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
     return false;
 }
 
-/* --- the options of every query
- * ----------------------------------------------------------------------------------------- */
+/* --- the options of every query ----------------------------------------------------------------------------------- */
 
 #define MOST_TIMEOUT_MS UINT64_C(86400000) /* a day: keeps the sum of clock and timeout far from overflow */
 

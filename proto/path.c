@@ -18,18 +18,13 @@ static uint32_t fields_by_kind(enum gd_point_kind kind)
     return PROTO_POINT_FIELD_XYZ | PROTO_POINT_FIELD_FACE | PROTO_POINT_FIELD_BARYCENTRIC;
 }
 
-static void encode_points(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
-                          enum proto_geometry geometry)
+void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
+                             enum proto_geometry geometry)
 {
-    proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < path->count; i++) {
-        const struct gd_point *point = &path->points[i];
-        if (geometry == PROTO_GEOMETRY_XYZ)
-            proto_xyz_encode(writer, gd_point_position(mesh, point));
-        else
-            proto_point_encode_fields(writer, mesh, point, NAN, fields_by_kind(point->kind));
-    }
-    proto_write_array_end(writer);
+    if (geometry == PROTO_GEOMETRY_XYZ)
+        proto_xyz_encode(writer, gd_point_position(mesh, point));
+    else
+        proto_point_encode_fields(writer, mesh, point, NAN, fields_by_kind(point->kind));
 }
 
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
@@ -40,7 +35,9 @@ void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, 
     proto_write_number(writer, path->length);
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
-        encode_points(writer, mesh, path, geometry);
+        proto_write_array_begin(writer);
+        for (uint32_t i = 0; i < path->count; i++) proto_path_point_encode(writer, mesh, &path->points[i], geometry);
+        proto_write_array_end(writer);
     }
     proto_write_object_end(writer);
 }

@@ -12,8 +12,7 @@ static struct gd_vec3 vec3(const double c[3])
     return (struct gd_vec3){c[0], c[1], c[2]};
 }
 
-/* --- from JSON
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- from JSON ---------------------------------------------------------------------------------------------------- */
 
 static bool decode_vertex(const json_t *value, const char *place, struct proto_point *out,
                           struct proto_problem *problem)
@@ -112,8 +111,7 @@ bool proto_point_decode(const json_t *value, const char *pointer, struct proto_p
     return true;
 }
 
-/* --- from compact text
- * -------------------------------------------------------------------------------------------------- */
+/* --- from compact text -------------------------------------------------------------------------------------------- */
 
 /* Each reader takes what it reads off the front of the text, or returns false. */
 static bool take(const char **text, char character)
@@ -204,8 +202,7 @@ bool proto_point_parse(const char *text, const char *parameter, struct proto_poi
     return true;
 }
 
-/* --- onto the mesh
- * ------------------------------------------------------------------------------------------------------ */
+/* --- onto the mesh ------------------------------------------------------------------------------------------------ */
 
 static enum gd_status locate(const struct gd_mesh *mesh, const struct proto_point *point, struct gd_point *out,
                              double *snap_distance, struct gd_detail *detail)
@@ -239,8 +236,7 @@ bool proto_point_locate(const struct gd_mesh *mesh, const struct proto_point *po
     return true;
 }
 
-/* --- back to the client
- * ------------------------------------------------------------------------------------------------- */
+/* --- back to the client ------------------------------------------------------------------------------------------- */
 
 const char *const proto_point_fields[] = {"face", "barycentric", "xyz", "vertex", "edge", "t", "snap_distance", NULL};
 

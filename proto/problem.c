@@ -6,8 +6,7 @@
 
 #include "proto/writer.h"
 
-/* --- the list
- * ----------------------------------------------------------------------------------------------------------- */
+/* --- the list ----------------------------------------------------------------------------------------------------- */
 
 static unsigned http_status(enum proto_problem_code code)
 {
@@ -51,8 +50,7 @@ static const char *title_of(enum proto_problem_code code)
     return "No problem";
 }
 
-/* --- making one
- * --------------------------------------------------------------------------------------------------------- */
+/* --- making one --------------------------------------------------------------------------------------------------- */
 
 static void start(struct proto_problem *problem, enum proto_problem_code code, const char *format, va_list arguments)
 {
@@ -116,8 +114,7 @@ bool proto_problem_limit(struct proto_problem *problem, uint64_t limit)
     return false;
 }
 
-/* --- from the engine
- * ---------------------------------------------------------------------------------------------------- */
+/* --- from the engine ---------------------------------------------------------------------------------------------- */
 
 static enum proto_problem_code code_of(enum gd_status status)
 {
@@ -186,8 +183,7 @@ bool proto_problem_from_status(struct proto_problem *problem, enum gd_status sta
     return false;
 }
 
-/* --- telling it
- * --------------------------------------------------------------------------------------------------------- */
+/* --- telling it --------------------------------------------------------------------------------------------------- */
 
 static const char *element_name(enum gd_element element)
 {

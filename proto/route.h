@@ -23,6 +23,7 @@ enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO
 struct proto_route {
     enum proto_method method;
     bool has_body;          /* the operation takes a request body */
+    bool is_async;          /* it takes the header Prefer: respond-async */
     const char *operation;  /* operationId */
     const char *path;       /* template, "/v1/meshes/{name}": a label for logs and metrics */
     const char *query;      /* the query's name ("distance"), listed among the capabilities; NULL: no query */

@@ -54,12 +54,18 @@ void proto_service_encode(struct proto_writer *writer, const struct proto_servic
     proto_write_object_end(writer);
 }
 
-void proto_health_encode(struct proto_writer *writer, enum proto_health health)
+void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason)
 {
-    static const char *const words[] = {
-        [PROTO_HEALTH_OK] = "ok", [PROTO_HEALTH_STARTING] = "starting", [PROTO_HEALTH_DRAINING] = "draining"};
+    static const char *const words[] = {[PROTO_HEALTH_OK] = "ok",
+                                        [PROTO_HEALTH_STARTING] = "starting",
+                                        [PROTO_HEALTH_DRAINING] = "draining",
+                                        [PROTO_HEALTH_READ_ONLY] = "read_only"};
     proto_write_object_begin(writer);
     proto_write_key(writer, "status");
     proto_write_string(writer, words[health]);
+    if (reason) {
+        proto_write_key(writer, "reason");
+        proto_write_string(writer, reason);
+    }
     proto_write_object_end(writer);
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "gd/number.h"
 #include "proto/number.h"
@@ -13,8 +14,7 @@
 
 #define FIRST_CAPACITY 1024
 
-/* --- the buffer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the buffer --------------------------------------------------------------------------------------------------- */
 
 void proto_writer_init(struct proto_writer *writer, size_t maximum)
 {
@@ -101,8 +101,7 @@ void proto_append_format(struct proto_writer *writer, const char *format, ...)
     va_end(again);
 }
 
-/* --- JSON
- * --------------------------------------------------------------------------------------------------------------- */
+/* --- JSON --------------------------------------------------------------------------------------------------------- */
 
 static void append_char(struct proto_writer *writer, char character)
 {
@@ -173,8 +172,7 @@ void proto_write_bool(struct proto_writer *writer, bool value)
     proto_write_raw(writer, value ? "true" : "false", value ? 4 : 5);
 }
 
-/* --- strings
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- strings ------------------------------------------------------------------------------------------------------ */
 
 static void append_escape(struct proto_writer *writer, char character)
 {
@@ -228,8 +226,7 @@ void proto_write_string(struct proto_writer *writer, const char *text)
     append_char(writer, '"');
 }
 
-/* --- numbers
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- numbers ------------------------------------------------------------------------------------------------------ */
 
 void proto_write_number(struct proto_writer *writer, double value)
 {
@@ -260,4 +257,13 @@ void proto_write_int(struct proto_writer *writer, int64_t value)
     bool negative = value < 0;
     size_t length = proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
     proto_write_raw(writer, text, length + negative);
+}
+
+void proto_write_time(struct proto_writer *writer, int64_t seconds)
+{
+    char text[32];
+    struct tm tm;
+    time_t time = (time_t)seconds;
+    size_t size = gmtime_r(&time, &tm) ? strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &tm) : 0;
+    proto_write_string(writer, size ? text : NULL);
 }

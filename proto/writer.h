@@ -62,6 +62,9 @@ void proto_write_int(struct proto_writer *writer, int64_t value);
 void proto_write_bool(struct proto_writer *writer, bool value);
 void proto_write_null(struct proto_writer *writer);
 
+/* A time in seconds since 1970 as "2026-01-01T00:00:00Z"; null beyond what a calendar holds. */
+void proto_write_time(struct proto_writer *writer, int64_t seconds);
+
 /* A value that is JSON already. */
 void proto_write_raw(struct proto_writer *writer, const char *json, size_t size);
 

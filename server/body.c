@@ -34,7 +34,7 @@ bool server_body_prepare(struct server_body *body, struct server_budget *budget,
     body->started_ns = gd_now_ns();
     if (declared == SERVER_BODY_CHUNKED) return true;
     if (declared > limit) return refuse_size(body, problem);
-    if (declared > server_budget_available(budget)) return refuse_memory(budget, declared, problem);
+    if (!server_budget_could_take(budget, (size_t)declared)) return refuse_memory(budget, declared, problem);
     return true;
 }
 

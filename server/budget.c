@@ -3,6 +3,8 @@
 
 #include <assert.h>
 
+#define REMEDY "delete meshes, or raise --memory-budget"
+
 void server_budget_init(struct server_budget *budget, size_t limit)
 {
     *budget = (struct server_budget){.limit = limit};
@@ -23,6 +25,11 @@ static size_t shortage(struct server_budget *budget, size_t bytes)
     size_t total = atomic_load(&budget->total);
     size_t left = total < budget->limit ? budget->limit - total : 0;
     return bytes > left ? bytes - left : 0;
+}
+
+bool server_budget_could_take(struct server_budget *budget, size_t bytes)
+{
+    return shortage(budget, bytes) == 0 || bytes <= server_budget_available(budget);
 }
 
 /* Lets the reclaimers make room, one after the other, until the bytes can be taken. */
@@ -82,7 +89,7 @@ size_t server_budget_available(struct server_budget *budget)
 {
     size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
     size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
+                  atomic_load(&budget->used[SERVER_BUDGET_JOBS]) + atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 
@@ -101,15 +108,11 @@ bool server_budget_refuse(struct server_budget *budget, const char *what, size_t
     size_t available = server_budget_available(budget);
     if (bytes)
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget can be had; delete "
-                          "meshes, or raise "
-                          "--memory-budget",
+                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget can be had; " REMEDY,
                           what, bytes, available, budget->limit);
     else
-        proto_problem_set(
-            problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-            "%s needs more than the %zu of the %zu bytes of the memory budget that can be had; delete meshes, or raise "
-            "--memory-budget",
-            what, available, budget->limit);
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "%s needs more than the %zu of the %zu bytes of the memory budget that can be had; " REMEDY,
+                          what, available, budget->limit);
     return proto_problem_limit(problem, budget->limit);
 }

@@ -5,9 +5,9 @@
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
  * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit asks one reclaimer after the
- * other to let go of enough: for idle workspaces, for landmarks, for meshes that are stored and not in use and have no fields, for
- * fields, for any mesh that is stored and not in use. Reclaimers take locks of their own: so no lock is held around a take; a give never calls
- * out and is allowed anywhere. All functions are thread-safe. */
+ * other to let go of enough: for idle workspaces, for landmarks, for meshes that are stored and not in use and have no
+ * fields, for fields, for any mesh that is stored and not in use. Reclaimers take locks of their own: so no lock is held
+ * around a take; a give never calls out and is allowed anywhere. All functions are thread-safe. */
 #ifndef SERVER_BUDGET_H
 #define SERVER_BUDGET_H
 
@@ -23,6 +23,7 @@ enum server_budget_class {
     SERVER_BUDGET_FLIGHT,
     SERVER_BUDGET_WORKSPACES, /* idle ones */
     SERVER_BUDGET_LANDMARKS,
+    SERVER_BUDGET_JOBS,  /* answers that are kept for jobs: never reclaimed */
     SERVER_BUDGET_SPARE, /* set aside for the memory of released fields: never reclaimed */
     SERVER_BUDGET_CLASSES
 };
@@ -68,9 +69,12 @@ void server_budget_move(struct server_budget *budget, enum server_budget_class f
  * the limit, since they are there: later takes make up for it. */
 void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual);
 
-/* What is left if every workspace, every field and all landmarks that are idle were let go of and every unused mesh unloaded: an upper bound of what a take can get at
- * this moment. */
+/* What is left if every workspace, every field and all landmarks that are idle were let go of and every unused mesh
+ * unloaded: an upper bound of what a take can get at this moment. Walks all meshes. */
 size_t server_budget_available(struct server_budget *budget);
+
+/* Is that as much as `bytes`? Walks only when there are fewer without letting go of anything. */
+bool server_budget_could_take(struct server_budget *budget, size_t bytes);
 
 /* The problem of `what` ("the mesh") that needs `bytes` (0: more than can be had, not known how many) and can't
  * have them. False. */

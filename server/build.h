@@ -10,7 +10,7 @@ struct server_builder { /* all borrowed */
     struct server_budget *budget;
     struct server_cache *cache;
     uint32_t max_faces;
-    struct gd_control control; /* its budget_bytes are set here */
+    struct gd_control control; /* who ends the build early and hears of its progress; it has no budget of its own */
 };
 
 /* The surface of a record from its record->size bytes, or a problem. GD_OK; GD_BUDGET (over the budget; the problem

@@ -11,21 +11,20 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns. A field that is being built is
- * a *flight*: it has one builder and a list of parked jobs that wait for it. When it lands, the field stands on
- * the shelf and the parked jobs are resumed to look again.
+ * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns, each under its request (field_key.h): the
+ * whole field of one point, without an offset, is the one that pairs of points are answered from too. A field that is being
+ * built is a *flight*: it has one builder and a list of parked jobs that wait for it (flights.h). When it lands, the field
+ * stands on the shelf and the parked jobs are resumed to look again.
  *
- * What is built: a field costs as much as 10 to 100 searches for single pairs, and much memory. A source has one built once
- * SERVER_CACHE_SEARCHES questions about it found none (recent.h): so the searches before it cost no more than the build
- * itself, and who asks from everywhere fills the cache with nothing.
+ * What is built: what a client claims; and for pairs, since a field costs as much as 10 to 100 searches for single pairs, and
+ * much memory, the field of a point once SERVER_CACHE_SEARCHES questions about it found none (recent.h): so the searches
+ * before it cost no more than the build itself, and who asks from everywhere fills the cache with nothing.
  *
  * Ownership: an entry is counted, one for the shelf and one for each pin. Its bytes stay in the budget until the
  * last pin goes. A shelf is counted too: its surface, its entries, its flights. A closed shelf keeps nothing: what
  * lands on it lives as long as its pins.
  *
- * Eviction: GreedyDual-Size-Frequency (Cherkasova 1998). Priority = age + build time x uses / bytes, age = priority
- * of the last evicted, so that what was dear but is no longer used goes too. The order is refreshed lazily, since
- * priorities only grow. Pinned entries stay.
+ * Eviction: by build time x uses / bytes, aged (eviction.h). Pinned entries stay.
  *
  * Locks: one mutex guards shelves, entries, their order and flights. Under it nothing calls out: budget gives are
  * atomic, jobs are resumed or refused and fields freed after it is released. The budget's reclaim takes it: so
@@ -61,8 +60,8 @@ struct server_shelf *server_shelf_open(struct server_cache *cache);
 void server_shelf_close(struct server_shelf *shelf);
 void server_shelf_release(struct server_shelf *shelf);
 
-/* The shelf's fields, each pinned, as an array to be freed by free(); NULL when there are none. */
-const struct server_cached **server_shelf_pin_all(struct server_shelf *shelf, uint32_t *count);
+/* The shelf's whole fields of single points, each pinned, as an array to be freed by free(); NULL when the shelf is empty. */
+const struct server_cached **server_shelf_pin_points(struct server_shelf *shelf, uint32_t *count);
 
 /* Puts a field of one source on the shelf, whose reference and gd_field_memsize bytes of SERVER_BUDGET_FLIGHT pass to
  * the cache, unless the shelf has one of that source, or there is no memory: then both are gone. */
@@ -71,9 +70,14 @@ void server_cache_restore(struct server_shelf *shelf, struct gd_field *field);
 /* Fields on the shelf. */
 uint32_t server_shelf_count(struct server_shelf *shelf);
 
-/* The field with this source, pinned and counted as used, or NULL. Tens of nanoseconds. */
+/* The field of this request, which has no target, or the whole field of this point; pinned and counted as used, or NULL.
+ * Tens of nanoseconds, and some for each seed. */
+const struct server_cached *server_cache_find_field(struct server_shelf *shelf, const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_shelf *shelf, const struct gd_point *source);
 void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless */
+
+/* Takes the field of this request off the shelf, if it is there; pins stay valid. */
+void server_cache_drop(struct server_shelf *shelf, const struct gd_field_request *request);
 
 #define SERVER_CACHE_SEARCHES 16 /* the mean search takes about a 16th of the whole field, see doc/003 */
 
@@ -88,6 +92,11 @@ enum server_cache_turn { SERVER_CACHE_SEARCH, SERVER_CACHE_BUILD, SERVER_CACHE_W
 enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const struct gd_point *source,
                                           struct server_job *job, struct server_flight **flight);
 
+/* The same for a field that has to be there, whose request has no target. SEARCH: it can't be, and `*why` is what its builder
+ * met with a moment ago, or GD_NO_MEMORY. */
+enum server_cache_turn server_cache_claim(struct server_shelf *shelf, const struct gd_field_request *request,
+                                          struct server_job *job, struct server_flight **flight, enum gd_status *why);
+
 /* True when other jobs wait for the flight: its builder goes on even if its own client went away. */
 bool server_cache_is_awaited(struct server_flight *flight);
 
@@ -96,10 +105,10 @@ bool server_cache_is_awaited(struct server_flight *flight);
  * parked jobs are resumed. */
 const struct server_cached *server_cache_land(struct server_flight *flight, struct gd_field *field);
 
-/* Ends a flight without a field; the parked jobs are resumed. `is_worth_another`: its builder gave up (its deadline, its
- * client), and one of the others may become the next one. Else the build would fail for anybody: the source is forgotten, so that
- * they do without. */
-void server_cache_abandon(struct server_flight *flight, bool is_worth_another);
+/* Ends a flight without a field; the parked jobs are resumed. After GD_DEADLINE and GD_CANCELLED, which are its builder's own,
+ * one of the others may become the next builder. Else the build would fail for anybody: the source is forgotten, so that those
+ * who can do without, and who claims it in the next second is told the same. */
+void server_cache_fail(struct server_flight *flight, enum gd_status status);
 
 /* Refuses the parked jobs whose deadline has passed. */
 void server_cache_expire(struct server_cache *cache, uint64_t now_ns);

@@ -20,7 +20,7 @@ static enum gd_status make_within(struct server *server, const struct server_cal
 {
     struct gd_control control = call->control;
     size_t kept = 0;
-    if (!take(server, call, grant + call->aside)) return GD_BUDGET;
+    if (!grant || !take(server, call, grant + call->aside)) return GD_BUDGET; /* to the engine, 0 is no limit */
     control.budget_bytes = grant;
     control.workspace = loan->workspace;
     enum gd_status status = call->make(call->user, &control, &kept);
@@ -30,19 +30,22 @@ static enum gd_status make_within(struct server *server, const struct server_cal
     return status;
 }
 
+/* The workspace's own memory goes only for a call that would not have enough otherwise. */
+static bool can_grant(struct server *server, struct server_loan *loan, size_t grant)
+{
+    if (server_budget_could_take(&server->budget, grant)) return true;
+    server_workspaces_trim(server->workspaces, loan);
+    return server_budget_could_take(&server->budget, grant);
+}
+
 /* Each grant in turn, until one is enough or all that can be had was not. */
 static enum gd_status make(struct server *server, const struct server_call *call, struct server_loan *loan)
 {
-    for (size_t grant = call->grant;; grant *= GRANT_FACTOR) {
-        size_t most = server_budget_available(&server->budget);
-        if (grant >= most) {
-            server_workspaces_trim(server->workspaces, loan);
-            most = server_budget_available(&server->budget);
-        }
-        bool is_last = grant >= most;
-        enum gd_status status = make_within(server, call, loan, is_last ? most : grant);
-        if (status != GD_BUDGET || is_last || call->is_modest) return status;
+    for (size_t grant = call->grant; can_grant(server, loan, grant); grant *= GRANT_FACTOR) {
+        enum gd_status status = make_within(server, call, loan, grant);
+        if (status != GD_BUDGET || call->is_modest) return status;
     }
+    return make_within(server, call, loan, server_budget_available(&server->budget));
 }
 
 enum gd_status server_call_make(struct server *server, const struct server_call *call)

@@ -73,6 +73,12 @@ static const struct option options[] = {
      MEMBER(timeout_ms), 1, 86400000, "60000", NULL},
     {"drain-ms", "MS", "most time that SIGTERM waits for requests under way", KIND_COUNT, MEMBER(drain_ms), 0, 86400000,
      "10000", NULL},
+    {"job-ttl-s", "S", "how long a job and its answer are kept after its end", KIND_COUNT, MEMBER(job_ttl_s), 1,
+     31536000, "3600", NULL},
+    {"max-jobs", "N",
+     "most jobs; the oldest that have ended make way for new ones, as they do when answers fill an eighth of the "
+     "memory budget",
+     KIND_COUNT, MEMBER(max_jobs), 1, 1000000, "10000", NULL},
     {"landmarks", "N",
      "landmark fields that a mesh gets in idle time once it is searched, to make later searches shorter; 0: none",
      KIND_COUNT, MEMBER(landmarks), 0, 16, "16", NULL},

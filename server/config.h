@@ -35,6 +35,8 @@ struct server_config {
     uint64_t max_faces;     /* triangles */
     uint64_t timeout_ms;    /* most time that a request may take */
     uint64_t drain_ms;      /* most time that a shutdown waits for requests */
+    uint64_t job_ttl_s;     /* how long an ended job is kept */
+    uint64_t max_jobs;      /* most jobs, ended ones included */
     enum server_log_level log_level;
     enum server_store_kind store;
     char data_dir[SERVER_CONFIG_PATH];

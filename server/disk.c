@@ -1,6 +1,7 @@
 /* See disk.h. */
 #include "server/disk.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
@@ -136,6 +137,27 @@ enum server_disk_result server_disk_read(const char *path, void **bytes, size_t 
     enum server_disk_result result = read_file(file, bytes, size);
     close_quietly(file);
     return result;
+}
+
+enum server_disk_result server_disk_size(const char *path, size_t *size)
+{
+    struct stat facts;
+    if (stat(path, &facts) != 0) return refusal();
+    *size = (size_t)facts.st_size;
+    return SERVER_DISK_DONE;
+}
+
+bool server_disk_each(const char *folder, void (*visit)(void *user, const char *path, const char *name), void *user)
+{
+    char path[SERVER_DISK_PATH];
+    DIR *directory = opendir(folder);
+    if (!directory) return false;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        int size = entry->d_name[0] == '.' ? 0 : snprintf(path, sizeof path, "%s/%s", folder, entry->d_name);
+        if (size > 0 && size < (int)sizeof path) visit(user, path, entry->d_name);
+    }
+    closedir(directory);
+    return true;
 }
 
 /* --- names -------------------------------------------------------------------------------------------------------- */

@@ -1,10 +1,12 @@
 /* Disk: files that are wholly there, and stay there, or are not there at all.
  *
- * Written under a temporary name, fsync'ed, renamed; the folder is fsync'ed so that the name stays too. After a failed
- * fsync the kernel may have dropped the data and call the next one a success: so LOST is never tried again, by anyone. */
+ * Written under a temporary name, fsync'ed, renamed; the folder is fsync'ed so that the name stays too. After a
+ * failed fsync the kernel may have dropped the data and call the next one a success: so LOST is never tried again,
+ * by anyone. */
 #ifndef SERVER_DISK_H
 #define SERVER_DISK_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -19,7 +21,8 @@ enum server_disk_result {
 
 #define SERVER_DISK_PATH 4096
 
-/* Creates the folder if it is not there, and makes its name durable. */
+/* Creates the folder if it is not there, and makes its name durable then: that of one which is there already is not
+ * (who made it may have been killed before). */
 enum server_disk_result server_disk_make_folder(const char *path);
 
 /* Writes a file, whole and durable but for its name, as `temporary`, and gives it the name `path` in place of what was
@@ -30,14 +33,21 @@ enum server_disk_result server_disk_write(const char *folder, const char *path, 
 /* The file's bytes and one NUL more, malloc'ed. */
 enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size);
 
+/* Bytes of a file. */
+enum server_disk_result server_disk_size(const char *path, size_t *size);
+
+/* Calls `visit` with the path of each file and folder in a folder, and its own name, in no order; it may remove
+ * them. Names that begin with a dot are left out. False: the folder can't be read. */
+bool server_disk_each(const char *folder, void (*visit)(void *user, const char *path, const char *name), void *user);
+
 /* Removes a name; the folder (NULL: it doesn't matter) is made durable. */
 enum server_disk_result server_disk_remove(const char *folder, const char *path);
 
 /* Makes the names in a folder durable. */
 enum server_disk_result server_disk_sync_folder(const char *folder);
 
-/* Gives a file a second name: a link, or a durable copy where links can't be made. The folder of the new name is for the
- * caller to make durable. */
+/* Gives a file a second name: a link, or a durable copy where links can't be made. The folder of the new name is for
+ * the caller to make durable. */
 enum server_disk_result server_disk_link(const char *path, const char *second);
 
 #endif

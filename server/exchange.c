@@ -9,10 +9,9 @@
 #include <strings.h>
 
 #include "server/cache.h"
+#include "server/events.h"
 #include "server/reply.h"
 #include "server/server.h"
-
-#define GONE_INTERVAL_NS UINT64_C(20000000) /* between two looks at the client's socket */
 
 /* --- the target --------------------------------------------------------------------------------------------------- */
 
@@ -81,8 +80,7 @@ static bool read_target(struct server_exchange *exchange, const char *target)
 static void run(struct server_job *job);
 static void refuse(struct server_job *job, enum server_refusal why);
 
-struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
-                                               const char *target)
+static struct server_exchange *create(struct server *server, const struct server_transport *transport)
 {
     struct server_exchange *exchange = calloc(1, sizeof *exchange);
     if (!exchange) return NULL;
@@ -91,7 +89,14 @@ struct server_exchange *server_exchange_create(struct server *server, const stru
     exchange->started_ns = gd_now_ns();
     exchange->job.run = run;
     exchange->job.refuse = refuse;
-    if (read_target(exchange, target)) return exchange;
+    return exchange;
+}
+
+struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
+                                               const char *target)
+{
+    struct server_exchange *exchange = create(server, transport);
+    if (exchange && read_target(exchange, target)) return exchange;
     server_exchange_destroy(exchange);
     return NULL;
 }
@@ -110,7 +115,9 @@ void server_exchange_destroy(struct server_exchange *exchange)
     server_surface_release(exchange->surface);
     server_body_drop(&exchange->body, &exchange->server->budget);
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
+    server_stream_close(exchange->response.stream);
     free(exchange->response.owned);
+    free(exchange->copies);
     free(exchange->path);
     free(exchange->query);
     free(exchange);
@@ -120,6 +127,69 @@ void server_exchange_keep(struct server_exchange *exchange, void *state, void (*
 {
     exchange->state = state;
     exchange->free_state = free_state;
+}
+
+/* --- another transport -------------------------------------------------------------------------------------------- */
+
+/* Copies the text to `*at`, which is behind the copy then. */
+static char *copy_text(char **at, const char *text)
+{
+    size_t size = strlen(text) + 1;
+    char *copy = memcpy(*at, text, size);
+    *at += size;
+    return copy;
+}
+
+static bool copy_head(struct server_exchange *to, const struct server_exchange *from)
+{
+    size_t size = strlen(from->method) + 1;
+    for (uint32_t i = 0; i < from->header_count; i++)
+        size += strlen(from->headers[i].name) + strlen(from->headers[i].value) + 2;
+    char *at = to->copies = malloc(size);
+    if (!at) return false;
+    to->method = copy_text(&at, from->method);
+    for (uint32_t i = 0; i < from->header_count; i++) {
+        const struct server_named_value *header = &from->headers[i];
+        to->headers[i] = (struct server_named_value){copy_text(&at, header->name), NULL};
+        to->headers[i].value = copy_text(&at, header->value);
+    }
+    to->header_count = from->header_count;
+    return true;
+}
+
+static bool copy_path(struct server_exchange *to, const struct server_exchange *from)
+{
+    to->path = strdup(from->path);
+    if (!to->path) return false;
+    to->match = from->match;
+    for (uint32_t i = 0; i < to->match.capture_count; i++)
+        to->match.captures[i].text = to->path + (from->match.captures[i].text - from->path);
+    return true;
+}
+
+static void move_query_and_body(struct server_exchange *to, struct server_exchange *from)
+{
+    to->query = from->query;
+    to->parameter_count = from->parameter_count;
+    memcpy(to->parameters, from->parameters, sizeof to->parameters);
+    to->body = from->body;
+    from->query = NULL;
+    from->parameter_count = 0;
+    from->body = (struct server_body){0};
+}
+
+struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
+                                               const struct server_transport *transport)
+{
+    struct server_exchange *detached = create(exchange->server, transport);
+    if (!detached || !copy_path(detached, exchange) || !copy_head(detached, exchange)) {
+        server_exchange_destroy(detached);
+        return NULL;
+    }
+    detached->is_http10 = exchange->is_http10;
+    memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
+    move_query_and_body(detached, exchange);
+    return detached;
 }
 
 /* --- the request -------------------------------------------------------------------------------------------------- */
@@ -195,7 +265,6 @@ void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct
 static void finish(struct server_exchange *exchange)
 {
     struct server *server = exchange->server;
-    server_reply_seal(exchange);
     drop_state(exchange); /* now: others may wait for what it holds */
     exchange->transport->finish(exchange);
     atomic_fetch_sub(&server->deferred, 1);
@@ -204,19 +273,21 @@ static void finish(struct server_exchange *exchange)
 static void run(struct server_job *job)
 {
     struct server_exchange *exchange = exchange_of(job);
+    if (exchange->transport->begin) exchange->transport->begin(exchange);
     do {
         if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
     } while (!exchange->response.status);
     finish(exchange);
 }
 
+/* A job that is not wanted is late. */
 static void refuse(struct server_job *job, enum server_refusal why)
 {
     struct server_exchange *exchange = exchange_of(job);
     struct proto_problem problem;
     switch (why) {
     case SERVER_REFUSAL_DEADLINE:
-        (void)proto_problem_from_status(&problem, GD_DEADLINE, NULL);
+        (void)proto_problem_from_status(&problem, atomic_load(&job->is_unwanted) ? GD_CANCELLED : GD_DEADLINE, NULL);
         break;
     case SERVER_REFUSAL_DRAINING:
         (void)proto_problem_from_status(&problem, GD_CANCELLED, NULL);
@@ -245,19 +316,15 @@ static bool on_progress(void *user, double fraction)
 {
     struct server_monitor *monitor = user;
     struct server_exchange *exchange = monitor->exchange;
-    (void)fraction;
+    const struct server_transport *transport = exchange->transport;
+    double share = monitor->share > 0 ? monitor->share : 1;
+    if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
     if (server_workers_cancelled(exchange->server->workers)) return false;
-    uint64_t now = gd_now_ns();
-    if (now - monitor->looked_ns < GONE_INTERVAL_NS) return true;
-    monitor->looked_ns = now;
-    monitor->is_gone =
-        exchange->transport->is_gone(exchange) && !(monitor->flight && server_cache_is_awaited(monitor->flight));
-    return !monitor->is_gone;
+    return !transport->is_gone(exchange) || (monitor->flight && server_cache_is_awaited(monitor->flight));
 }
 
 struct gd_control server_exchange_control(struct server_monitor *monitor)
 {
-    monitor->looked_ns = gd_now_ns();
     return (struct gd_control){
         .deadline_ns = monitor->exchange->job.deadline_ns, .progress = on_progress, .user = monitor};
 }

@@ -5,6 +5,9 @@
  * workers' lock one way and transport->finish the other: who has submitted, parked or finished an exchange does
  * not touch it any more.
  *
+ * What carries an exchange is its transport: a connection (http.c), or a job whose answer is kept for later (jobs.c).
+ * Handlers need not know which.
+ *
  * States: reading -> ready -> answered, or deferred -> answered. Answered means response.status is set (reply.h).
  *
  * A handler is flat: each step succeeds, or replies and returns. It ends with a reply or with
@@ -31,6 +34,7 @@
 struct server;
 struct server_exchange;
 struct server_flight;
+struct server_stream;
 struct server_surface;
 
 struct server_named_value { /* of strings that the transport or the exchange owns */
@@ -44,6 +48,7 @@ struct server_response {
     const void *body;
     void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
     size_t size;
+    struct server_stream *stream; /* instead of a body: one that comes as it happens (events.h); NULL: none */
     struct {
         const char *name;
         char value[SERVER_HEADER_VALUE];
@@ -54,8 +59,14 @@ struct server_response {
 
 /* What carries the exchange. */
 struct server_transport {
-    void (*finish)(struct server_exchange *exchange); /* a deferred exchange is answered: it is the transport's again */
-    bool (*is_gone)(struct server_exchange *exchange); /* the client of a deferred exchange hung up; a system call */
+    /* A deferred exchange is answered: it is the transport's again. */
+    void (*finish)(struct server_exchange *exchange);
+    /* Nobody wants the answer of a deferred exchange any more. Asked every millisecond, by any thread that works for it. */
+    bool (*is_gone)(struct server_exchange *exchange);
+    /* A worker has taken up a deferred exchange, perhaps again. NULL: the transport need not know. */
+    void (*begin)(struct server_exchange *exchange);
+    /* The part of the work that is done, in [0,1]; from any thread that works for it. NULL: the transport need not know. */
+    void (*report)(struct server_exchange *exchange, double part);
 };
 
 struct server_exchange {
@@ -71,6 +82,7 @@ struct server_exchange {
     uint32_t parameter_count;
     struct server_named_value headers[SERVER_EXCHANGE_HEADERS];
     uint32_t header_count;
+    char *copies;                   /* of method and headers, when they are not the transport's; NULL: they are */
     const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
     struct proto_route_match match; /* route NULL: none found */
     char request_id[SERVER_REQUEST_ID];
@@ -97,6 +109,11 @@ void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harml
 
 /* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of the request. */
 void server_exchange_add_header(struct server_exchange *exchange, const char *name, const char *value);
+
+/* The same request for a transport that outlives this one's, or NULL without memory. It takes over the body and the query
+ * string, and copies the rest. What is left of `exchange` can be answered. */
+struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
+                                               const struct server_transport *transport);
 
 /* Hands a deferred exchange to the workers; it is not the caller's any more. A full queue answers it with
  * overloaded. */
@@ -126,13 +143,12 @@ void server_exchange_keep(struct server_exchange *exchange, void *state, void (*
 void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
 
-/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and the client's hanging up
- * unless others wait for `flight` (may be NULL). */
+/* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that nobody wants the answer
+ * any more unless others wait for `flight` (may be NULL). Calls of several threads for one exchange have one monitor each. */
 struct server_monitor {
     struct server_exchange *exchange;
     struct server_flight *flight;
-    uint64_t looked_ns; /* when the client was last looked at */
-    bool is_gone;
+    double begun, share; /* the call is the part [begun, begun + share] of the work; share 0: it is all of it */
 };
 struct gd_control server_exchange_control(struct server_monitor *monitor);
 

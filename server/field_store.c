@@ -1,18 +1,16 @@
 /* See field_store.h. */
 #include "server/field_store.h"
 
-#include <dirent.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "server/disk.h"
 #include "server/log.h"
+#include "server/names.h"
 #include "server/version.h"
 
 #define FIELD     ".field"
@@ -66,84 +64,65 @@ static bool is_a(const char *file, const char *kind)
     return size > suffix && strcmp(file + size - suffix, kind) == 0;
 }
 
-/* Calls `visit` with the path of each file in a folder and the file's own name. */
-static void each_file(const char *folder, void (*visit)(void *user, const char *path, const char *file), void *user)
-{
-    char path[SERVER_DISK_PATH];
-    DIR *directory = opendir(folder);
-    if (!directory) return;
-    for (struct dirent *entry; (entry = readdir(directory));)
-        if (entry->d_name[0] != '.' && file_path(path, folder, entry->d_name)) visit(user, path, entry->d_name);
-    closedir(directory);
-}
+/* --- reading ------------------------------------------------------------------------------------------------------ */
 
-/* --- restoring ---------------------------------------------------------------------------------------------------- */
-
-struct mapping {
+struct image { /* of a stored file; as many bytes of SERVER_BUDGET_FLIGHT are taken */
     void *bytes;
     size_t size;
 };
 
-static void unmap(void *user)
+static void free_image(struct server_field_store *store, const struct image *image)
 {
-    struct mapping *mapping = user;
-    munmap(mapping->bytes, mapping->size);
-    free(mapping);
+    free(image->bytes);
+    server_budget_give(store->budget, SERVER_BUDGET_FLIGHT, image->size);
 }
 
-static struct mapping *map_file(const char *path)
-{
-    struct stat facts;
-    struct mapping *mapping = malloc(sizeof *mapping);
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    void *bytes = MAP_FAILED;
-    if (mapping && file >= 0 && fstat(file, &facts) == 0 && facts.st_size > 0)
-        bytes = mmap(NULL, (size_t)facts.st_size, PROT_READ, MAP_PRIVATE, file, 0);
-    if (file >= 0) close(file);
-    if (bytes == MAP_FAILED) {
-        free(mapping);
-        return NULL;
-    }
-    *mapping = (struct mapping){bytes, (size_t)facts.st_size};
-    return mapping;
-}
-
-static bool is_whole(const struct mapping *mapping, const char *file)
+static bool is_whole(const void *bytes, size_t size, const char *file)
 {
     char sha256[SERVER_SHA256_HEX];
-    server_sha256(mapping->bytes, mapping->size, sha256);
+    server_sha256(bytes, size, sha256);
     return strncmp(file, sha256, strlen(sha256)) == 0;
 }
 
-/* The file, verified; else NULL, and it is deleted. */
-static struct mapping *open_file(const char *path, const char *file)
+/* The file, verified, if the budget has room for it. One that is not what its name says is deleted; one that can't
+ * be read just now is not. */
+static bool read_image(struct server_field_store *store, const char *path, const char *file, struct image *out)
 {
-    struct mapping *mapping = map_file(path);
-    if (!mapping) {
-        discard(path, "it can't be read");
-    } else if (!is_whole(mapping, file)) {
+    struct image image = {0};
+    size_t got = 0;
+    if (server_disk_size(path, &image.size) != SERVER_DISK_DONE) return false;
+    if (!server_budget_take_spare(store->budget, SERVER_BUDGET_FLIGHT, image.size)) return false;
+    if (server_disk_read(path, &image.bytes, &got) == SERVER_DISK_DONE) {
+        if (got == image.size && is_whole(image.bytes, got, file)) {
+            *out = image;
+            return true;
+        }
         discard(path, "its checksum is not its name");
-        unmap(mapping);
-        mapping = NULL;
     }
-    return mapping;
+    free_image(store, &image);
+    return false;
 }
+
+/* --- restoring ---------------------------------------------------------------------------------------------------- */
 
 struct restoring {
     struct server_field_store *store;
     struct server_surface *surface;
+    const struct gd_control *control;
     uint32_t restored;
+    bool is_over; /* by the control */
 };
 
-/* Puts the field on the shelf, if it is the whole of it and the budget has room. */
-static void keep_field(struct restoring *restoring, struct gd_field *field)
+/* Puts the field, whose image this was, on the shelf, if it is the whole of it. */
+static void keep_field(struct restoring *restoring, struct gd_field *field, size_t image_size)
 {
-    size_t bytes = gd_field_memsize(field);
-    if (isfinite(gd_field_reach(field)) ||
-        !server_budget_take_spare(restoring->store->budget, SERVER_BUDGET_FLIGHT, bytes)) {
+    struct server_budget *budget = restoring->store->budget;
+    if (isfinite(gd_field_reach(field))) {
         gd_field_release(field);
+        server_budget_give(budget, SERVER_BUDGET_FLIGHT, image_size);
         return;
     }
+    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, image_size, gd_field_memsize(field));
     server_cache_restore(restoring->surface->shelf, field);
     restoring->restored++;
 }
@@ -152,66 +131,30 @@ static void on_stored_field(void *user, const char *path, const char *file)
 {
     struct restoring *restoring = user;
     struct gd_field *field;
-    struct mapping *mapping = is_a(file, FIELD) ? open_file(path, file) : NULL;
-    if (!mapping) return;
+    struct image image;
+    if (!is_a(file, FIELD)) return;
+    restoring->is_over |= gd_control_check(restoring->control, 1) != GD_OK;
+    if (restoring->is_over || !read_image(restoring->store, path, file, &image)) return;
     enum gd_status status =
-        gd_field_open_image(restoring->surface->mesh, mapping->bytes, mapping->size, unmap, mapping, &field, NULL);
+        gd_field_open_image(restoring->surface->mesh, image.bytes, image.size, free, image.bytes, &field, NULL);
     if (!status) {
-        keep_field(restoring, field);
+        keep_field(restoring, field, image.size);
         return;
     }
     if (status != GD_NO_MEMORY) discard(path, gd_status_sentence(status));
-    unmap(mapping);
+    free_image(restoring->store, &image);
 }
 
-void server_field_store_restore(struct server_field_store *store, struct server_surface *surface)
+void server_field_store_restore(struct server_field_store *store, struct server_surface *surface,
+                                const struct gd_control *control)
 {
-    struct restoring restoring = {.store = store, .surface = surface};
+    struct restoring restoring = {.store = store, .surface = surface, .control = control};
     char folder[SERVER_DISK_PATH];
     folder_path(store, folder, surface->record->etag);
-    each_file(folder, on_stored_field, &restoring);
+    (void)server_disk_each(folder, on_stored_field, &restoring);
     if (restoring.restored)
         server_log_message(SERVER_LOG_INFO, "fields_restored", "%u fields of '%s'", restoring.restored,
                            surface->record->name);
-}
-
-/* --- names that are still wanted ---------------------------------------------------------------------------------- */
-
-struct names { /* of files or folders; sorted when they are searched */
-    char (*names)[SERVER_SHA256_HEX + sizeof LANDMARKS + sizeof SERVER_VERSION];
-    size_t count, capacity;
-    bool is_incomplete; /* without memory: then nothing is deleted */
-};
-
-static void add_name(struct names *names, const char *name)
-{
-    if (names->count == names->capacity) {
-        size_t capacity = names->capacity ? 2 * names->capacity : 64;
-        void *grown = realloc(names->names, capacity * sizeof *names->names);
-        names->is_incomplete |= !grown;
-        if (!grown) return;
-        names->names = grown;
-        names->capacity = capacity;
-    }
-    snprintf(names->names[names->count++], sizeof *names->names, "%s", name);
-}
-
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(a, b);
-}
-
-static void sort_names(struct names *names)
-{
-    if (names->count) qsort(names->names, names->count, sizeof *names->names, compare_names);
-}
-
-static bool has_name(const struct names *names, const char *name)
-{
-    char key[sizeof *names->names] = "";
-    if (strlen(name) >= sizeof key) return false;
-    strcpy(key, name);
-    return names->count && bsearch(key, names->names, names->count, sizeof key, compare_names);
 }
 
 /* --- cleaning ----------------------------------------------------------------------------------------------------- */
@@ -224,14 +167,14 @@ static void on_unwanted_file(void *user, const char *path, const char *file)
 
 static void remove_folder(const char *path)
 {
-    each_file(path, on_unwanted_file, NULL);
+    (void)server_disk_each(path, on_unwanted_file, NULL);
     rmdir(path);
 }
 
 static void on_folder(void *user, const char *path, const char *file)
 {
-    const struct names *wanted = user;
-    if (has_name(wanted, file)) return;
+    const struct server_names *wanted = user;
+    if (server_names_has(wanted, file)) return;
     remove_folder(path);
     server_log_message(SERVER_LOG_INFO, "fields_discarded",
                        "the stored fields in '%s' were deleted: their mesh is gone", path);
@@ -258,7 +201,7 @@ static void on_wanted_surface(void *user, const struct server_listed *listed)
 {
     char name[SERVER_ETAG + sizeof SERVER_VERSION + 1];
     snprintf(name, sizeof name, SERVER_VERSION "-%s", listed->record->etag);
-    add_name(user, name);
+    server_names_add(user, name);
 }
 
 static void on_gone(void *user, const struct server_record *record)
@@ -270,11 +213,11 @@ static void on_gone(void *user, const struct server_record *record)
 
 void server_field_store_follow(struct server_field_store *store, struct server_registry *registry)
 {
-    struct names wanted = {0};
+    struct server_names wanted = {0};
     each_surface(registry, on_wanted_surface, &wanted);
-    sort_names(&wanted);
-    if (!wanted.is_incomplete) each_file(store->folder, on_folder, &wanted);
-    free(wanted.names);
+    server_names_sort(&wanted);
+    if (!wanted.is_incomplete) (void)server_disk_each(store->folder, on_folder, &wanted);
+    server_names_free(&wanted);
     server_registry_watch(registry, on_gone, store);
 }
 
@@ -332,14 +275,14 @@ static void on_stored_landmarks(void *user, const char *path, const char *file)
 {
     struct reading *reading = user;
     struct gd_landmarks *landmarks;
-    struct mapping *mapping = is_a(file, LANDMARKS) ? open_file(path, file) : NULL;
-    if (!mapping) return;
-    enum gd_status status = gd_landmarks_open_image(reading->mesh, mapping->bytes, mapping->size, &landmarks);
+    struct image image;
+    if (!is_a(file, LANDMARKS) || !read_image(reading->store, path, file, &image)) return;
+    enum gd_status status = gd_landmarks_open_image(reading->mesh, image.bytes, image.size, &landmarks);
     if (!status)
         keep_landmarks(reading, landmarks);
     else if (status != GD_NO_MEMORY)
         discard(path, gd_status_sentence(status));
-    unmap(mapping);
+    free_image(reading->store, &image);
 }
 
 struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store *store,
@@ -348,7 +291,7 @@ struct gd_landmarks *server_field_store_read_landmarks(struct server_field_store
     struct reading reading = {.store = store, .mesh = surface->mesh, .count = count};
     char folder[SERVER_DISK_PATH];
     folder_path(store, folder, surface->record->etag);
-    each_file(folder, on_stored_landmarks, &reading);
+    (void)server_disk_each(folder, on_stored_landmarks, &reading);
     return reading.out;
 }
 
@@ -362,7 +305,7 @@ static void write_landmarks(const char *folder, void *image, size_t size)
 {
     char file[FILE_NAME], path[SERVER_DISK_PATH];
     name_image(file, image, size, LANDMARKS);
-    each_file(folder, on_older_landmarks, NULL);
+    (void)server_disk_each(folder, on_older_landmarks, NULL);
     if (!make_folder(folder) || !file_path(path, folder, file) || !write_file(folder, path, image, size))
         server_log_message(SERVER_LOG_WARN, "landmarks_not_stored", "'%s' can't be written", folder);
 }
@@ -389,7 +332,7 @@ void server_field_store_write_landmarks(struct server_field_store *store, struct
 struct saving {
     struct server_field_store *store;
     uint64_t until_ns;
-    struct names kept; /* files */
+    struct server_names kept; /* files */
     uint32_t written;
     bool is_over; /* no more time or room */
 };
@@ -404,7 +347,7 @@ static void save_image(struct saving *saving, const char *folder, const void *im
         saving->is_over |= !write_file(folder, path, image, size);
         saving->written += !saving->is_over;
     }
-    add_name(&saving->kept, file);
+    server_names_add(&saving->kept, file);
 }
 
 static void save_field(struct saving *saving, const char *folder, const struct gd_field *field)
@@ -424,7 +367,7 @@ static void save_surface(void *user, const struct server_listed *listed)
     char folder[SERVER_DISK_PATH];
     uint32_t count;
     if (!listed->surface) return;
-    const struct server_cached **fields = server_shelf_pin_all(listed->surface->shelf, &count);
+    const struct server_cached **fields = server_shelf_pin_points(listed->surface->shelf, &count);
     folder_path(saving->store, folder, listed->record->etag);
     if (count && !make_folder(folder)) saving->is_over = true;
     for (uint32_t i = 0; i < count; i++) {
@@ -437,7 +380,7 @@ static void save_surface(void *user, const struct server_listed *listed)
 static void on_saved_file(void *user, const char *path, const char *file)
 {
     const struct saving *saving = user;
-    if (!is_a(file, LANDMARKS) && !has_name(&saving->kept, file)) unlink(path);
+    if (!is_a(file, LANDMARKS) && !server_names_has(&saving->kept, file)) unlink(path);
 }
 
 /* The folder of a surface that was in memory holds what was cached, and nothing else. */
@@ -447,7 +390,7 @@ static void sweep_surface(void *user, const struct server_listed *listed)
     char folder[SERVER_DISK_PATH];
     if (!listed->surface) return;
     folder_path(saving->store, folder, listed->record->etag);
-    each_file(folder, on_saved_file, saving);
+    (void)server_disk_each(folder, on_saved_file, saving);
     rmdir(folder); /* if it is empty */
 }
 
@@ -455,10 +398,10 @@ void server_field_store_save(struct server_field_store *store, struct server_reg
 {
     struct saving saving = {.store = store, .until_ns = until_ns};
     each_surface(registry, save_surface, &saving);
-    sort_names(&saving.kept);
+    server_names_sort(&saving.kept);
     if (!saving.kept.is_incomplete && !saving.is_over) each_surface(registry, sweep_surface, &saving);
     server_log_message(saving.is_over ? SERVER_LOG_WARN : SERVER_LOG_INFO, "fields_saved",
                        "%u fields written, %zu in all%s", saving.written, saving.kept.count,
                        saving.is_over ? "; there was no more time or room" : "");
-    free(saving.kept.names);
+    server_names_free(&saving.kept);
 }

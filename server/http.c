@@ -8,9 +8,12 @@
  *             connection, and then the answer is queued
  *     DONE    the answer is with the library
  *
+ * A body that comes as it happens is read when the library can write; when there is nothing to read, the connection is
+ * suspended until there is (events.h).
+ *
  * libmicrohttpd 0.9.75 notices neither a hang-up nor a timeout of a suspended connection and must not be stopped
- * while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone, and the server waits for all
- * deferred exchanges before it stops.
+ * while one is: deadlines are the timekeeper's, hang-ups are looked for by is_gone, and the server ends all streams and
+ * waits for all deferred exchanges before it stops.
  *
  * It can answer during an upload only in the first call, before any byte of the body: what is found out later is
  * answered after it. */
@@ -26,6 +29,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "server/events.h"
 #include "server/log.h"
 #include "server/reply.h"
 #include "server/router.h"
@@ -35,6 +39,8 @@
 #define CONNECTION_TIMEOUT 30u          /* seconds without a byte */
 #define CONNECTIONS_MOST   8192u
 #define SPARE_DESCRIPTORS  64u
+#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
+#define STREAM_BLOCK       1024               /* bytes of a stream that are asked for at a time */
 
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
 
@@ -43,7 +49,8 @@ struct call {
     struct server_exchange *exchange;
     struct MHD_Connection *connection;
     struct server_http *http;
-    enum phase phase; /* written by the connection's HTTP thread only */
+    enum phase phase;                /* written by the connection's HTTP thread only */
+    atomic_uint_least64_t looked_ns; /* when the client was last looked at */
 };
 
 struct server_http {
@@ -63,17 +70,27 @@ static struct call *call_of(struct server_exchange *exchange)
 
 static void finish(struct server_exchange *exchange)
 {
+    server_reply_seal(exchange);
     MHD_resume_connection(call_of(exchange)->connection);
 }
 
 /* A client that has closed its side has gone: nobody who waits for an answer does that. */
-static bool is_gone(struct server_exchange *exchange)
+static bool has_hung_up(const struct call *call)
 {
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(call_of(exchange)->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(call->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (!info) return true;
     struct pollfd state = {.fd = info->connect_fd, .events = POLLRDHUP};
     return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
+}
+
+static bool is_gone(struct server_exchange *exchange)
+{
+    struct call *call = call_of(exchange);
+    uint64_t now = gd_now_ns();
+    if (now - atomic_load_explicit(&call->looked_ns, memory_order_relaxed) < GONE_INTERVAL_NS) return false;
+    if (has_hung_up(call)) return true;
+    atomic_store_explicit(&call->looked_ns, now, memory_order_relaxed);
+    return false;
 }
 
 /* --- from the library to the exchange ----------------------------------------------------------------------------- */
@@ -116,13 +133,52 @@ static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char
 
 /* --- from the exchange to the library ----------------------------------------------------------------------------- */
 
-static struct MHD_Response *make_response(struct server_response *reply)
+static void pause_call(void *user)
+{
+    const struct call *call = user;
+    MHD_suspend_connection(call->connection);
+}
+
+static void resume_call(void *user)
+{
+    const struct call *call = user;
+    MHD_resume_connection(call->connection);
+}
+
+static bool is_call_gone(void *user)
+{
+    return has_hung_up(user);
+}
+
+static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
+{
+    struct call *call = user;
+    (void)position;
+    ptrdiff_t read = server_stream_read(call->exchange->response.stream, bytes, size);
+    return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
+}
+
+static struct MHD_Response *make_streamed(struct call *call)
+{
+    server_stream_attach(call->exchange->response.stream,
+                         (struct server_stream_reader){pause_call, resume_call, is_call_gone, call});
+    return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, call, NULL);
+}
+
+static struct MHD_Response *make_whole(struct server_response *reply)
 {
     struct MHD_Response *response =
         reply->owned ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
                      : MHD_create_response_from_buffer(reply->size, (void *)reply->body, MHD_RESPMEM_PERSISTENT);
+    if (response) reply->owned = NULL; /* the library's now */
+    return response;
+}
+
+static struct MHD_Response *make_response(struct call *call)
+{
+    struct server_response *reply = &call->exchange->response;
+    struct MHD_Response *response = reply->stream ? make_streamed(call) : make_whole(reply);
     if (!response) return NULL;
-    reply->owned = NULL; /* the library's now */
     for (uint32_t i = 0; i < reply->header_count; i++)
         MHD_add_response_header(response, reply->headers[i].name, reply->headers[i].value);
     if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
@@ -152,7 +208,7 @@ static enum MHD_Result answer(struct call *call)
     struct server_exchange *exchange = call->exchange;
     uint64_t nanoseconds = gd_now_ns() - exchange->started_ns;
     call->phase = PHASE_DONE;
-    struct MHD_Response *response = make_response(&exchange->response);
+    struct MHD_Response *response = make_response(call);
     if (!response) return MHD_NO;
     server_metrics_count(exchange->server->metrics, exchange->match.route, exchange->response.status, nanoseconds);
     log_request(exchange, nanoseconds);
@@ -172,15 +228,19 @@ static enum MHD_Result begin(struct call *call, const char *method, const char *
     MHD_get_connection_values(call->connection, MHD_HEADER_KIND, on_header, exchange);
     server_router_begin(exchange);
     if (!exchange->response.close) return MHD_YES;
-    server_router_end(exchange);
+    server_reply_seal(exchange);
     return answer(call);
 }
 
 static enum MHD_Result end(struct call *call)
 {
     server_router_end(call->exchange);
-    if (call->exchange->response.status) return answer(call);
+    if (call->exchange->response.status) {
+        server_reply_seal(call->exchange);
+        return answer(call);
+    }
     call->phase = PHASE_PARKED;
+    atomic_store_explicit(&call->looked_ns, gd_now_ns(), memory_order_relaxed);
     MHD_suspend_connection(call->connection);
     server_exchange_submit(call->exchange); /* from here on it is another thread's */
     return MHD_YES;

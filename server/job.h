@@ -6,18 +6,24 @@
 #ifndef SERVER_JOB_H
 #define SERVER_JOB_H
 
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_REFUSAL_MEMORY };
 
 struct server_job {
     struct server_job *next;
-    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
+    uint64_t deadline_ns;    /* on the clock of gd_now_ns() */
+    atomic_bool is_unwanted; /* set by any thread: as if the deadline had passed */
     void (*run)(struct server_job *job);
     void (*refuse)(struct server_job *job, enum server_refusal why);
 };
 
-/* Takes the jobs with a deadline of at most `now_ns` out of a list and returns them as another. */
+/* True when the deadline is at most `now_ns`, or the job is not wanted any more. */
+bool server_job_is_late(const struct server_job *job, uint64_t now_ns);
+
+/* Takes the jobs that are late out of a list and returns them as another. */
 struct server_job *server_jobs_expire(struct server_job **list, uint64_t now_ns);
 
 /* Refuses each job of a list. To be called without any lock: what refuses may take them. */

@@ -1,22 +1,18 @@
 /* See keeper.h. */
 #include "server/keeper.h"
 
-#include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "server/loader.h"
 #include "server/server.h"
+#include "server/thread.h"
 
-#define NOTE_SECONDS 60
-#define LOAD_FACTOR  3 /* memory that a load takes at most while it is under way, in terms of what the mesh takes */
+#define NOTE_NS     UINT64_C(60000000000)
+#define LOAD_FACTOR 3 /* memory that a load takes at most while it is under way, in terms of what the mesh takes */
 
 struct server_keeper {
     struct server *server;
-    pthread_mutex_t lock;
-    pthread_cond_t change;
-    bool stopping;
-    pthread_t thread;
+    struct server_thread *thread;
 };
 
 static bool has_room(struct server *server, const struct server_record *record)
@@ -48,22 +44,11 @@ static void warm_up(struct server *server)
     }
 }
 
-static void *keep(void *user)
+static void keep(void *user, struct server_thread *thread)
 {
-    struct server_keeper *keeper = user;
-    struct timespec wake;
+    const struct server_keeper *keeper = user;
     warm_up(keeper->server);
-    pthread_mutex_lock(&keeper->lock);
-    while (!keeper->stopping) {
-        clock_gettime(CLOCK_REALTIME, &wake);
-        wake.tv_sec += NOTE_SECONDS;
-        if (pthread_cond_timedwait(&keeper->change, &keeper->lock, &wake) == 0) continue;
-        pthread_mutex_unlock(&keeper->lock);
-        server_registry_note_uses(keeper->server->registry);
-        pthread_mutex_lock(&keeper->lock);
-    }
-    pthread_mutex_unlock(&keeper->lock);
-    return NULL;
+    while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(keeper->server->registry);
 }
 
 struct server_keeper *server_keeper_create(struct server *server)
@@ -71,9 +56,8 @@ struct server_keeper *server_keeper_create(struct server *server)
     struct server_keeper *keeper = calloc(1, sizeof *keeper);
     if (!keeper) return NULL;
     keeper->server = server;
-    pthread_mutex_init(&keeper->lock, NULL);
-    pthread_cond_init(&keeper->change, NULL);
-    if (pthread_create(&keeper->thread, NULL, keep, keeper) == 0) return keeper;
+    keeper->thread = server_thread_start(keep, keeper);
+    if (keeper->thread) return keeper;
     free(keeper);
     return NULL;
 }
@@ -81,12 +65,6 @@ struct server_keeper *server_keeper_create(struct server *server)
 void server_keeper_destroy(struct server_keeper *keeper)
 {
     if (!keeper) return;
-    pthread_mutex_lock(&keeper->lock);
-    keeper->stopping = true;
-    pthread_cond_signal(&keeper->change);
-    pthread_mutex_unlock(&keeper->lock);
-    pthread_join(keeper->thread, NULL);
-    pthread_cond_destroy(&keeper->change);
-    pthread_mutex_destroy(&keeper->lock);
+    server_thread_stop(keeper->thread);
     free(keeper);
 }

@@ -154,9 +154,7 @@ static struct gd_landmarks *build_landmarks(struct bringing *bringing)
                                      .is_modest = true};
     bool is_affordable = call.grant + call.aside <= server->budget.limit / LARGEST_PART;
     enum gd_status status = is_affordable ? server_call_make(server, &call) : GD_BUDGET;
-    bool has_failed = status == GD_INTERNAL || status == GD_RUNAWAY;
-    if (has_failed) server_metrics_count_failed_check(server->metrics);
-    bringing->is_hopeless = has_failed || !is_affordable;
+    bringing->is_hopeless = server_metrics_count_status(server->metrics, status) || !is_affordable;
     if (status) return NULL;
     if (server->fields)
         server_field_store_write_landmarks(server->fields, server->registry, bringing->surface, wanted.out);

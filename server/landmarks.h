@@ -13,6 +13,9 @@
  * fields and meshes, since it takes least to have them again. What went comes back after a pause of many times what it costs, so
  * that a full daemon does not spend its idle time on this.
  *
+ * Time: the job yields while it computes (workers.h), but not while it reads, hashes and writes the file, 64 bytes a vertex for
+ * 16 landmarks: this keeps its worker for 2 to 4 ms for each 16,000 vertices, once a mesh, and once a mesh after a restart.
+ *
  * One mutex guards slots and their order; under it nothing calls out. All functions are thread-safe. */
 #ifndef SERVER_LANDMARKS_H
 #define SERVER_LANDMARKS_H

@@ -30,6 +30,8 @@ static enum server_loader_outcome complain(const struct server_record *record, c
     return SERVER_LOADER_DAMAGED;
 }
 
+/* Is the record its name's still? Asked after its bytes were missed: they go only after the registry has forgotten
+ * the record (store.h), so if it is, they are missing indeed. */
 static bool is_current(struct server *server, const struct server_record *record)
 {
     struct server_listed listed;
@@ -58,14 +60,13 @@ static enum server_loader_outcome fetch(struct server *server, const struct serv
 }
 
 static enum server_loader_outcome build(struct server *server, struct server_record *record, const void *bytes,
-                                        uint64_t deadline_ns, struct server_surface **out,
+                                        const struct gd_control *control, struct server_surface **out,
                                         struct proto_problem *problem)
 {
-    const struct server_builder builder = {
-        .budget = &server->budget,
-        .cache = server->cache,
-        .max_faces = (uint32_t)server->config.max_faces,
-        .control = {.deadline_ns = deadline_ns, .progress = on_progress, .user = server}};
+    const struct server_builder builder = {.budget = &server->budget,
+                                           .cache = server->cache,
+                                           .max_faces = (uint32_t)server->config.max_faces,
+                                           .control = *control};
     struct proto_problem refusal;
     enum gd_status status = server_build_surface(&builder, record, bytes, out, &refusal);
     if (!status) return SERVER_LOADER_LOADED;
@@ -78,6 +79,7 @@ static enum server_loader_outcome build(struct server *server, struct server_rec
 enum server_loader_outcome server_loader_load(struct server *server, struct server_record *record, uint64_t deadline_ns,
                                               struct server_surface **out, struct proto_problem *problem)
 {
+    const struct gd_control control = {.deadline_ns = deadline_ns, .progress = on_progress, .user = server};
     size_t size = (size_t)record->size;
     void *bytes = NULL;
     if (!server_budget_take(&server->budget, SERVER_BUDGET_FLIGHT, size)) {
@@ -86,11 +88,11 @@ enum server_loader_outcome server_loader_load(struct server *server, struct serv
     }
     struct server_surface *surface = NULL;
     enum server_loader_outcome outcome = fetch(server, record, &bytes, problem);
-    if (!outcome) outcome = build(server, record, bytes, deadline_ns, &surface, problem);
+    if (!outcome) outcome = build(server, record, bytes, &control, &surface, problem);
     free(bytes);
     server_budget_give(&server->budget, SERVER_BUDGET_FLIGHT, size);
     if (outcome) return outcome;
-    if (server->config.persist_fields) server_field_store_restore(server->fields, surface);
+    if (server->config.persist_fields) server_field_store_restore(server->fields, surface, &control);
     server_registry_keep(server->registry, surface);
     *out = surface;
     return SERVER_LOADER_LOADED;

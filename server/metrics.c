@@ -8,6 +8,8 @@
 
 #include "gd/control.h"
 #include "gd/cpu.h"
+#include "server/events.h"
+#include "server/jobs.h"
 #include "server/server.h"
 #include "server/version.h"
 
@@ -105,9 +107,11 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
     add(&cell->nanoseconds, nanoseconds);
 }
 
-void server_metrics_count_failed_check(struct server_metrics *metrics)
+bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status)
 {
-    add(&metrics->failed_checks, 1);
+    bool has_failed = status == GD_INTERNAL || status == GD_RUNAWAY;
+    if (has_failed) add(&metrics->failed_checks, 1);
+    return has_failed;
 }
 
 void server_metrics_count_search(struct server_metrics *metrics)
@@ -251,10 +255,25 @@ static void write_store(struct server *server, struct proto_writer *writer)
               server_registry_health(server->registry) == NULL);
 }
 
+static void write_jobs(struct server *server, struct proto_writer *writer)
+{
+    struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs);
+    write_head(writer, "jobs", "gauge", "Jobs by state, those that have ended until they are dropped.");
+    for (int i = 0; i < PROTO_JOB_STATE_COUNT; i++)
+        proto_append_format(writer, "geodesicd_jobs{state=\"%s\"} %llu\n", proto_job_state_name(i),
+                            (unsigned long long)jobs.now[i]);
+    write_head(writer, "jobs_ended_total", "counter", "Jobs that have ended, by how they did.");
+    for (int i = 0; i < PROTO_JOB_STATE_COUNT; i++)
+        if (proto_job_has_ended(i))
+            proto_append_format(writer, "geodesicd_jobs_ended_total{state=\"%s\"} %llu\n", proto_job_state_name(i),
+                                (unsigned long long)jobs.ended[i]);
+    write_one(writer, "event_streams", "gauge", "Clients that watch jobs.", server_events_count(server->events));
+}
+
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
-    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",     "fields",    "flight",
-                                                             "workspaces", "landmarks", "spare"};
+    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",    "fields", "flight", "workspaces",
+                                                             "landmarks", "jobs",   "spare"};
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
@@ -282,6 +301,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     write_cache(server, writer);
     write_searches(metrics, server, writer);
     write_store(server, writer);
+    write_jobs(server, writer);
     write_memory(server, writer);
     write_process(metrics, writer);
 }

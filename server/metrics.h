@@ -5,8 +5,10 @@
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
+#include "gd/status.h"
 #include "proto/route.h"
 #include "proto/writer.h"
 
@@ -21,8 +23,8 @@ void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route, unsigned status,
                           uint64_t nanoseconds);
 
-/* Counts a failed self-check, or work that ran away. */
-void server_metrics_count_failed_check(struct server_metrics *metrics);
+/* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it is. */
+bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
 /* Counts a search for a pair. */
 void server_metrics_count_search(struct server_metrics *metrics);

@@ -1,6 +1,10 @@
 /* See pair_search.h. */
 #include "server/pair_search.h"
 
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "server/call.h"
 
 #define BYTES_AN_EDGE  224               /* the arrays of a workspace and the windows of a far pair; see doc/003 */
@@ -22,15 +26,47 @@ static enum gd_status search(void *user, const struct gd_control *control, size_
                          wanted->out, NULL);
 }
 
-enum gd_status server_pair_search(struct server_exchange *exchange, const struct gd_mesh *mesh,
-                                  const struct gd_point *from, const struct gd_point *to, bool want_path,
-                                  const struct gd_landmarks *landmarks, struct gd_pair_answer *out)
+enum gd_status server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh, const struct gd_point *from,
+                                  const struct gd_point *to, bool want_path, const struct gd_landmarks *landmarks,
+                                  struct gd_pair_answer *out)
 {
+    struct server *server = part->exchange->server;
     struct search wanted = {mesh, from, to, want_path, landmarks, out};
-    struct server_monitor monitor = {.exchange = exchange};
     const struct server_call call = {.make = search,
                                      .user = &wanted,
-                                     .control = server_exchange_control(&monitor),
+                                     .control = server_exchange_control(part),
                                      .grant = BYTES_A_SEARCH + (size_t)gd_mesh_summary(mesh)->edges * BYTES_AN_EDGE};
-    return server_call_make(exchange->server, &call);
+    server_metrics_count_search(server->metrics);
+    return server_call_make(server, &call);
+}
+
+/* --- routes ------------------------------------------------------------------------------------------------------- */
+
+/* The leg's first point is the route's last one. */
+static enum gd_status append_path(struct gd_path *route, const struct gd_path *leg)
+{
+    uint32_t more = leg->count - 1;
+    struct gd_point *points = realloc(route->points, ((size_t)route->count + more) * sizeof *points);
+    if (!points) return GD_NO_MEMORY;
+    memcpy(points + route->count, leg->points + 1, more * sizeof *points);
+    route->points = points;
+    route->count += more;
+    route->length += leg->length;
+    return GD_OK;
+}
+
+enum gd_status server_pair_append(struct gd_pair_answer *route, struct gd_pair_answer *leg)
+{
+    enum gd_status status = GD_OK;
+    route->distance += leg->distance;
+    if (isinf(route->distance)) {
+        gd_path_free(&route->path);
+    } else if (!route->path.count) {
+        route->path = leg->path;
+        leg->path = (struct gd_path){0};
+    } else {
+        status = append_path(&route->path, &leg->path);
+    }
+    gd_pair_answer_free(leg);
+    return status;
 }

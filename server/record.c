@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "gd/io.h"
+#include "server/catalogue.h"
 
 #define OPTIONS_TEXT  256
 #define OPTIONS_MOST  8
@@ -108,8 +109,19 @@ struct server_record *server_record_retain(struct server_record *record)
 void server_record_release(struct server_record *record)
 {
     if (!record || atomic_fetch_sub(&record->references, 1) != 1) return;
+    server_catalogue_destroy(atomic_load(&record->catalogue));
     free(record->description);
     free(record);
+}
+
+struct server_catalogue *server_record_catalogue(struct server_record *record)
+{
+    struct server_catalogue *catalogue = atomic_load(&record->catalogue), *none = NULL;
+    if (catalogue) return catalogue;
+    catalogue = server_catalogue_create();
+    if (!catalogue || atomic_compare_exchange_strong(&record->catalogue, &none, catalogue)) return catalogue;
+    server_catalogue_destroy(catalogue);
+    return none; /* another was quicker */
 }
 
 bool server_record_equal(const struct server_record *a, const struct server_record *b)
@@ -195,8 +207,8 @@ enum server_record_reading server_record_read(const char *text, size_t size, str
     struct server_record *record = calloc(1, sizeof *record);
     char *copy = strndup(text, size);
     enum server_record_reading reading = SERVER_RECORD_NO_MEMORY;
+    if (record) record->references = 1;
     if (record && copy) {
-        record->references = 1;
         reading = !read_lines(record, copy) ? SERVER_RECORD_DAMAGED
                   : record->description     ? SERVER_RECORD_READ
                                             : SERVER_RECORD_NO_MEMORY;
@@ -205,6 +217,20 @@ enum server_record_reading server_record_read(const char *text, size_t size, str
     if (reading == SERVER_RECORD_READ)
         *out = record;
     else
-        server_record_release(record); /* calloc'ed: its count is 1 */
+        server_record_release(record);
     return reading;
+}
+
+enum server_record_reading server_record_read_named(const char *name, const char *text, size_t size,
+                                                    struct server_record **out)
+{
+    struct server_record *record = NULL;
+    enum server_record_reading reading = server_record_read(text, size, &record);
+    if (reading) return reading;
+    if (strcmp(record->name, name) != 0) {
+        server_record_release(record);
+        return SERVER_RECORD_DAMAGED;
+    }
+    *out = record;
+    return SERVER_RECORD_READ;
 }

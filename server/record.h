@@ -10,8 +10,8 @@
  *     description {"name":"bunny",…}                   as GET answers while the mesh is not in memory
  *     checksum 9a0f…                                   SHA-256 of all the lines above
  *
- * That text is the manifest of a durable store and the row of its database. A record is complete before it is shared and
- * immutable from then on; it is counted. */
+ * That text is the manifest of a durable store and the row of its database. A record is complete before it is shared
+ * and immutable from then on, but for its catalogue; it is counted. */
 #ifndef SERVER_RECORD_H
 #define SERVER_RECORD_H
 
@@ -25,8 +25,11 @@
 
 #define SERVER_ETAG 33 /* with the NUL */
 
+struct server_catalogue;
+
 struct server_record {
     atomic_uint references;
+    _Atomic(struct server_catalogue *) catalogue; /* of fields; NULL: there was none as yet */
     char name[PROTO_MESH_NAME + 1];
     char sha256[SERVER_SHA256_HEX];
     char etag[SERVER_ETAG]; /* without quotes: of the bytes and the options */
@@ -44,6 +47,9 @@ struct server_record *server_record_create(const char *name, const char sha256[S
 struct server_record *server_record_retain(struct server_record *record);
 void server_record_release(struct server_record *record); /* NULL is harmless */
 
+/* The fields that clients know of this version of the mesh (catalogue.h); the record's. NULL without memory. */
+struct server_catalogue *server_record_catalogue(struct server_record *record);
+
 /* Are they made from the same bytes with the same options, under the same name? */
 bool server_record_equal(const struct server_record *a, const struct server_record *b);
 
@@ -59,5 +65,9 @@ enum server_record_reading {
 
 /* Reads the text; on success the caller has one reference of `*out`. No text, however damaged, does harm. */
 enum server_record_reading server_record_read(const char *text, size_t size, struct server_record **out);
+
+/* The same of the record of that name: DAMAGED if it is another's. */
+enum server_record_reading server_record_read_named(const char *name, const char *text, size_t size,
+                                                    struct server_record **out);
 
 #endif

@@ -1,10 +1,11 @@
 /* Registry: the surfaces by name, those in memory and those that can be loaded.
  *
- * DESIGN. An array of slots sorted by name. A slot has a record, and the surface while it is in memory. What a name is
- * changes under the writer lock, which is held while the store makes the change durable: so conditions are decided
- * together with the write. The slots change under a reader-writer lock that is held for moments only: so reading never
- * waits for the disk. Order: writer lock, then slots. Surfaces are retired and released after the slots' lock is given
- * up, since that frees fields.
+ * DESIGN. An array of slots sorted by name. A slot has a record, and the surface while it is in memory. What a name
+ * is changes under the writer lock, which is held while the store makes the change durable: so conditions are
+ * decided together with the write. The slots change under a reader-writer lock that is held for moments only: so
+ * reading never waits for the disk. Who writes waits for it, and for those who wrote before: no worker has time for
+ * that, so the registry has a thread of its own, its writer, which runs the jobs that put or remove. Order: writer
+ * lock, then slots. Surfaces are retired and released after the slots' lock is given up, since that frees fields.
  *
  * Under the memory budget, surfaces that nobody uses are unloaded, if the store can load them again: first those
  * without cached fields, the least recently used first; then fields go (cache.h); then any unused surface. */
@@ -14,13 +15,24 @@
 #include "server/etag.h"
 #include "server/store.h"
 #include "server/surface.h"
+#include "server/workers.h"
 
 struct server_registry;
 
-/* With what the store holds, nothing of it loaded. The store becomes the registry's; the budget, whose reclaimers it
- * becomes part of, is borrowed. NULL without memory: the store is closed. */
+/* With what the store holds, nothing of it loaded, and its writer started. The store becomes the registry's; the
+ * budget, whose reclaimers it becomes part of, is borrowed. NULL without memory or thread: the store is closed. */
 struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
+
+/* --- writing: by jobs of the registry's writer -------------------------------------------------------------------- */
+
+/* Has the writer run a job, which ends as job.h says. In the order in which they come, however many: whoever admits
+ * requests has admitted them. */
+void server_registry_submit(struct server_registry *registry, struct server_job *job);
+
+/* Refuses the jobs that are late; all of them, and those that come. */
+void server_registry_expire(struct server_registry *registry, uint64_t now_ns);
+void server_registry_cancel(struct server_registry *registry);
 
 /* Has `gone` called, without any lock, when a record has left and no other has its content (its ETag). To be set before
  * anything is put. */
@@ -33,9 +45,16 @@ void server_registry_watch(struct server_registry *registry,
 enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
                                               const void *bytes, const struct server_precondition *precondition);
 
+/* Makes sure that the bytes that a record was made from are stored, and whole: REPLACED; ABSENT: it is not, or no
+ * longer, the name's record. Else as for a put. */
+enum server_store_outcome server_registry_confirm(struct server_registry *registry, const struct server_record *record,
+                                                  const void *bytes);
+
 /* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY. */
 enum server_store_outcome server_registry_remove(struct server_registry *registry, const char *name,
                                                  const struct server_precondition *precondition);
+
+/* --- reading ------------------------------------------------------------------------------------------------------ */
 
 struct server_listed {
     struct server_record *record;
@@ -65,7 +84,8 @@ enum server_store_outcome server_registry_fetch(struct server_registry *registry
 /* Keeps a surface in memory that was loaded, if its record is still the one of that name and no other was quicker. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
-/* Of the surfaces that are not in memory, the one that was used most; its record retained, or NULL. Each is given once. */
+/* Of the surfaces that are not in memory, the one that was used most; its record retained, or NULL. Each is given
+ * once. */
 struct server_record *server_registry_hottest(struct server_registry *registry);
 
 /* Tells the store how often surfaces were used, if that changed since the last time. */

@@ -45,6 +45,13 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
     set_body(exchange, status, media_type, bytes, bytes, size);
 }
 
+void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
+                         struct server_stream *stream)
+{
+    set_body(exchange, status, media_type, NULL, NULL, 0);
+    exchange->response.stream = stream;
+}
+
 void server_reply_empty(struct server_exchange *exchange, unsigned status)
 {
     set_body(exchange, status, NULL, NULL, NULL, 0);
@@ -131,11 +138,27 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
 
 /* --- sealing ------------------------------------------------------------------------------------------------------ */
 
-static const char *response_header(const struct server_response *response, const char *name)
+static char *response_header(struct server_response *response, const char *name)
 {
     for (uint32_t i = 0; i < response->header_count; i++)
         if (strcmp(response->headers[i].name, name) == 0) return response->headers[i].value;
     return NULL;
+}
+
+/* The resource's entity tag, without quotes; false: the answer has none. */
+static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
+{
+    const char *quoted = response_header(response, "ETag");
+    if (quoted) snprintf(tag, SERVER_HEADER_VALUE, "%.*s", (int)strlen(quoted) - 2, quoted + 1);
+    return quoted != NULL;
+}
+
+static void name_packed_form(struct server_response *response)
+{
+    char tag[SERVER_HEADER_VALUE];
+    if (!read_tag(response, tag)) return;
+    snprintf(response_header(response, "ETag"), SERVER_HEADER_VALUE, "\"%.*s%s\"", SERVER_HEADER_VALUE / 2, tag,
+             SERVER_ETAG_PACKED_SUFFIX);
 }
 
 static void drop_body(struct server_response *response)
@@ -146,35 +169,43 @@ static void drop_body(struct server_response *response)
     response->size = 0;
 }
 
-/* RFC 9110, 13.2.2, of a GET that would be answered with 200: what If-Match and If-None-Match make of it. */
+/* The client has the body already: the answer goes without, under the tag of the form that he has. */
+static void reply_known(struct server_response *response, enum server_etag_form form)
+{
+    drop_body(response);
+    response->status = 304;
+    response->media_type = NULL;
+    if (form == SERVER_ETAG_PACKED) name_packed_form(response);
+}
+
+/* RFC 9110, 13.2.2, of a GET that would be answered with 200, or is with 304: what If-Match and If-None-Match make of it. */
 static void apply_conditions(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    const char *quoted = response_header(response, "ETag");
-    const char *wanted = server_exchange_header(exchange, "If-Match");
-    const char *known = server_exchange_header(exchange, "If-None-Match");
-    if (response->status != 200 || !quoted || (!wanted && !known)) return;
+    char tag[SERVER_HEADER_VALUE];
+    if ((response->status != 200 && response->status != 304) || !read_tag(response, tag)) return;
     if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return;
-    const char *tag = quoted + 1;
-    size_t size = strlen(quoted) - 2;
-    if (wanted && !server_etag_listed(wanted, tag, size, SERVER_ETAG_STRONG)) {
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    enum server_etag_form known = server_precondition_known(&precondition, tag);
+    if (!server_precondition_matches(&precondition, tag)) {
         drop_body(response);
         server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
                              "the resource is not in the version that If-Match names; get its ETag and try again");
-    } else if (known && server_etag_listed(known, tag, size, SERVER_ETAG_WEAK)) {
-        drop_body(response);
-        response->status = 304;
-        response->media_type = NULL;
+    } else if (known) {
+        reply_known(response, known);
     }
+}
+
+static bool is_packable(const struct server_response *response)
+{
+    return response->owned && response->size >= GZIP_FROM;
 }
 
 static void compress(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     size_t size;
-    if (!response->owned || response->size < GZIP_FROM) return;
-    server_reply_header(exchange, "Vary", "Accept-Encoding");
-    if (!takes_gzip(exchange)) return;
+    if (!is_packable(response) || !takes_gzip(exchange)) return;
     void *compressed = server_gzip(response->body, response->size, &size);
     if (!compressed) return;
     drop_body(response);
@@ -186,8 +217,10 @@ static void compress(struct server_exchange *exchange)
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
+    if (is_packable(response)) server_reply_header(exchange, "Vary", "Accept-Encoding");
     apply_conditions(exchange);
     compress(exchange);
+    if (response->status != 304 && response_header(response, "Content-Encoding")) name_packed_form(response);
     if (response->media_type) server_reply_header(exchange, "Content-Type", "%s", response->media_type);
     server_reply_header(exchange, "X-Request-Id", "%s", exchange->request_id);
     server_reply_header(exchange, "X-Content-Type-Options", "nosniff");

@@ -22,6 +22,10 @@ void server_reply_text(struct server_exchange *exchange, unsigned status, const 
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size);
 
+/* A body that comes as it happens; the stream becomes the exchange's. */
+void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
+                         struct server_stream *stream);
+
 /* A static file, in its compressed form where the client takes it. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
@@ -36,7 +40,7 @@ void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_c
 bool server_reply_accepts_json(struct server_exchange *exchange);
 
 /* Finishes the answer: 304 when the client has it already, compression, the headers that every answer has. Called
- * once, by the thread that has the exchange, after the reply. */
+ * once, after the reply, by a transport that brings the answer to its client now. */
 void server_reply_seal(struct server_exchange *exchange);
 
 #endif

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #include "server/framing.h"
+#include "server/handlers/handlers.h"
+#include "server/prefer.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -101,14 +103,9 @@ static bool run_handler(struct server_exchange *exchange)
     return true;
 }
 
-static void dispatch(struct server_exchange *exchange)
+void server_router_dispatch(struct server_exchange *exchange)
 {
     const struct proto_route *route = exchange->match.route;
-    struct proto_problem problem;
-    if (!server_body_check(&exchange->body, &exchange->server->budget, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
     exchange->job.deadline_ns = gd_now_ns() + exchange->server->config.timeout_ms * 1000000;
     if (route->query && exchange->body.size > INLINE_BODY_LIMIT)
         server_exchange_defer(exchange, run_handler, NULL);
@@ -118,6 +115,12 @@ static void dispatch(struct server_exchange *exchange)
 
 void server_router_end(struct server_exchange *exchange)
 {
-    if (!exchange->response.status) dispatch(exchange);
-    if (exchange->response.status) server_reply_seal(exchange);
+    struct proto_problem problem;
+    if (exchange->response.status) return;
+    if (!server_body_check(&exchange->body, &exchange->server->budget, &problem))
+        server_reply_problem(exchange, &problem);
+    else if (exchange->match.route->is_async && server_prefers(exchange, "respond-async"))
+        server_handle_async(exchange);
+    else
+        server_router_dispatch(exchange);
 }

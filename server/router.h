@@ -9,8 +9,11 @@
  * closed. */
 void server_router_begin(struct server_exchange *exchange);
 
-/* After the body: calls the handler. Returns with a sealed reply, or with `work` set: then the exchange is to be
- * submitted. */
+/* After the body: unless there is a reply already, has the operation done, or makes a job of it when that is what the
+ * client prefers. Returns with a reply, or with `work` set: then the exchange is to be submitted. */
 void server_router_end(struct server_exchange *exchange);
+
+/* Calls the handler, with a deadline from now on. Returns as server_router_end does. */
+void server_router_dispatch(struct server_exchange *exchange);
 
 #endif

@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include "gd/cpu.h"
+#include "server/events.h"
 #include "server/field_store.h"
 #include "server/http.h"
+#include "server/jobs.h"
 #include "server/keeper.h"
 #include "server/timekeeper.h"
 
@@ -23,6 +25,8 @@ static void destroy(struct server *server)
 {
     server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
+    server_jobs_destroy(server->jobs);
+    server_events_destroy(server->events);
     server_registry_destroy(server->registry);
     server_landmarks_destroy(server->landmarks);
     server_field_store_close(server->fields);
@@ -85,6 +89,9 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (!create_registry(server, error, error_size)) return false;
     if (config->landmarks) server->landmarks = server_landmarks_create(server);
     if (config->landmarks && !server->landmarks) return false;
+    server->events = server_events_create();
+    server->jobs = server_jobs_create(server);
+    if (!server->events || !server->jobs) return false;
     server->timekeeper = server_timekeeper_create(server);
     server->keeper = server_keeper_create(server);
     return server->timekeeper && server->keeper;
@@ -125,9 +132,11 @@ static void pause_briefly(void)
     nanosleep(&pause, NULL);
 }
 
+/* Requests under way, and jobs, which no request waits for. */
 static void wait_until_idle(struct server *server, uint64_t until_ns)
 {
-    while (server_http_active(server->http) && gd_now_ns() < until_ns) pause_briefly();
+    while ((server_http_active(server->http) || atomic_load(&server->deferred)) && gd_now_ns() < until_ns)
+        pause_briefly();
 }
 
 static void remove_socket(const struct server_address *address)
@@ -151,6 +160,8 @@ void server_stop(struct server *server)
     server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way", server_http_active(server->http));
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);
+    server_jobs_drain(server->jobs);
+    server_events_end(server->events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);
     while (atomic_load(&server->deferred) || server_workers_load(server->workers).background) pause_briefly();

@@ -26,7 +26,9 @@
 #include "server/workers.h"
 #include "server/workspaces.h"
 
+struct server_events;
 struct server_http;
+struct server_jobs;
 struct server_timekeeper;
 struct server_keeper;
 struct server_field_store;
@@ -43,10 +45,12 @@ struct server {
     struct server_field_store *fields;  /* NULL: nothing is stored */
     struct server_landmarks *landmarks; /* NULL: there are none */
     struct server_metrics *metrics;
+    struct server_events *events;
+    struct server_jobs *jobs;
     struct server_timekeeper *timekeeper;
     struct server_keeper *keeper;
     struct server_http *http;
-    atomic_uint deferred; /* exchanges that the HTTP side has parked */
+    atomic_uint deferred; /* exchanges that connections and jobs have submitted */
     atomic_bool draining;
 };
 

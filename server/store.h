@@ -3,8 +3,8 @@
  *
  * store_memory.c keeps nothing, store_local.c SQLite and files in a folder.
  *
- * Threads: put, keep, remove and note_uses are called by one thread at a time (the registry's writer lock); fetch and
- * health by any. each is called once, before the others. */
+ * Threads: put, keep, remove, tidy and note_uses are called by one thread at a time (the registry's writer lock);
+ * fetch and health by any. each is called once, before the others. */
 #ifndef SERVER_STORE_H
 #define SERVER_STORE_H
 
@@ -46,8 +46,11 @@ struct server_store {
                                       const void *bytes);
     /* Durable when it returns DONE. */
     enum server_store_outcome (*remove)(struct server_store *store, const struct server_record *record);
-    /* The bytes of a surface (record->size of them), verified, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL: this
-     * store keeps no bytes, and what is loaded must stay in memory. */
+    /* Does what a put or a remove that was DONE has left to be done, once nobody can find what it took away: only
+     * now may bytes go that no surface has any more. */
+    void (*tidy)(struct server_store *store);
+    /* The bytes of a surface (record->size of them), verified, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL:
+     * this store keeps no bytes, and what is loaded must stay in memory. */
     enum server_store_outcome (*fetch)(struct server_store *store, const struct server_record *record, void **bytes);
     /* Remembers the uses of some surfaces, if it can. */
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,

@@ -1,18 +1,28 @@
-/* See store_tools.h: --check-store. */
-#include <dirent.h>
+/* See store_tools.h: --check-store. Files that are named by their checksum are read first, each once; then the
+ * manifests and the rows, which say which of them there must be. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "server/store_database.h"
 #include "server/store_files.h"
 #include "server/store_tools.h"
 
+#define HEX_DIGITS "0123456789abcdef"
+#define HASH       (SERVER_SHA256_HEX - 1)
+
+struct object { /* a file under objects/ */
+    char sha256[SERVER_SHA256_HEX];
+    size_t size;
+    bool is_sound, is_used;
+};
+
 struct check {
     FILE *out;
     struct server_store_files files;
     struct server_database *database;
-    unsigned faults, rows, manifests, objects, unfinished;
+    struct object *objects; /* sorted once all are there */
+    size_t object_count, object_capacity;
+    unsigned faults, rows, manifests, verified, fields, unfinished, leftovers, aside;
     unsigned long long bytes;
 };
 
@@ -22,43 +32,150 @@ static void fault(struct check *check, const char *what, const char *name)
     check->faults++;
 }
 
-/* --- objects ------------------------------------------------------------------------------------------------------ */
+static void each_file(struct check *check, const char *folder,
+                      void (*visit)(void *user, const char *path, const char *file))
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(&check->files, path, folder);
+    if (!server_disk_each(path, visit, check)) fault(check, "the folder can't be read", path);
+}
 
+/* --- files that are named by their checksum ----------------------------------------------------------------------- */
+
+/* Does the name begin with a hash, and what follows it? NULL: it does not. */
+static const char *after_hash(const char *file)
+{
+    return strspn(file, HEX_DIGITS) == HASH ? file + HASH : NULL;
+}
+
+/* Is the file what its name says? */
+static bool is_sound(const char *path, const char *file, size_t *size)
+{
+    char found[SERVER_SHA256_HEX];
+    void *bytes;
+    if (server_disk_read(path, &bytes, size) != SERVER_DISK_DONE) return false;
+    server_sha256(bytes, *size, found);
+    free(bytes);
+    return strncmp(found, file, HASH) == 0;
+}
+
+static struct object *add_object(struct check *check)
+{
+    if (check->object_count == check->object_capacity) {
+        size_t capacity = check->object_capacity ? 2 * check->object_capacity : 64;
+        struct object *objects = realloc(check->objects, capacity * sizeof *objects);
+        if (!objects) return NULL;
+        check->objects = objects;
+        check->object_capacity = capacity;
+    }
+    return memset(&check->objects[check->object_count++], 0, sizeof(struct object));
+}
+
+static void on_object(void *user, const char *path, const char *file)
+{
+    struct check *check = user;
+    const char *folder = path + strlen(path) - strlen(file) - 3, *rest = after_hash(file);
+    if (!rest || *rest || strncmp(folder, file, 2) != 0) {
+        fault(check, "the file is none of the store's", path);
+        return;
+    }
+    struct object *object = add_object(check);
+    if (!object) {
+        fault(check, "there is no memory to check the file", path);
+        return;
+    }
+    strcpy(object->sha256, file);
+    object->is_sound = is_sound(path, file, &object->size);
+}
+
+static void on_object_folder(void *user, const char *path, const char *file)
+{
+    struct check *check = user;
+    if (strlen(file) != 2 || !server_disk_each(path, on_object, check))
+        fault(check, "the file is none of the store's", path);
+}
+
+static void on_field(void *user, const char *path, const char *file)
+{
+    struct check *check = user;
+    const char *rest = after_hash(file);
+    size_t size;
+    if (!rest)
+        check->leftovers++;
+    else if (is_sound(path, file, &size))
+        check->fields++;
+    else
+        fault(check, "the stored field is damaged; it is computed again when it is wanted", path);
+}
+
+static void on_field_folder(void *user, const char *path, const char *file)
+{
+    (void)file;
+    if (!server_disk_each(path, on_field, user)) fault(user, "the file is none of the store's", path);
+}
+
+static int by_hash(const void *a, const void *b)
+{
+    return strcmp(((const struct object *)a)->sha256, ((const struct object *)b)->sha256);
+}
+
+static void check_files(struct check *check)
+{
+    char fields[SERVER_DISK_PATH];
+    each_file(check, "objects", on_object_folder);
+    if (check->object_count) qsort(check->objects, check->object_count, sizeof *check->objects, by_hash);
+    server_files_path(&check->files, fields, "fields");
+    (void)server_disk_each(fields, on_field_folder, check); /* there need not be any */
+}
+
+/* The bytes of a record. */
 static void check_object(struct check *check, const struct server_record *record)
 {
-    void *bytes = NULL;
-    enum server_store_outcome outcome =
-        server_files_read_object(&check->files, record->sha256, (size_t)record->size, &bytes);
-    free(bytes);
-    if (outcome == SERVER_STORE_ABSENT)
+    struct object key;
+    strcpy(key.sha256, record->sha256);
+    struct object *object =
+        check->object_count ? bsearch(&key, check->objects, check->object_count, sizeof key, by_hash) : NULL;
+    if (!object) {
         fault(check, "the uploaded file is missing", record->name);
-    else if (outcome)
+        return;
+    }
+    if (!object->is_sound || object->size != record->size)
         fault(check, "the uploaded file is damaged or can't be read", record->name);
-    else
-        check->objects++, check->bytes += record->size;
+    else if (!object->is_used)
+        check->verified++, check->bytes += object->size;
+    object->is_used = true;
+}
+
+static void check_unused_objects(struct check *check)
+{
+    for (size_t i = 0; i < check->object_count; i++) {
+        const struct object *object = &check->objects[i];
+        if (object->is_used) continue;
+        check->leftovers++;
+        if (!object->is_sound) fault(check, "the file, which no mesh has, is damaged or can't be read", object->sha256);
+    }
 }
 
 /* --- manifests ---------------------------------------------------------------------------------------------------- */
 
-static struct server_record *read_manifest(struct check *check, const char *name)
+static struct server_record *read_manifest(const struct check *check, const char *name)
 {
-    char path[SERVER_DISK_PATH];
+    char checksum[SERVER_SHA256_HEX];
     struct server_record *record = NULL;
-    void *text;
-    size_t size;
-    server_files_manifest_path(&check->files, path, name);
-    if (server_disk_read(path, &text, &size) != SERVER_DISK_DONE) return NULL;
-    enum server_record_reading reading = server_record_read(text, size, &record);
-    free(text);
-    if (reading == SERVER_RECORD_READ && strcmp(record->name, name) == 0) return record;
-    server_record_release(record);
-    return NULL;
+    return server_files_read_manifest(&check->files, name, &record, checksum) == SERVER_RECORD_READ ? record : NULL;
 }
 
-static void check_manifest(struct check *check, const char *file)
+static void on_manifest(void *user, const char *path, const char *file)
 {
+    struct check *check = user;
     char name[PROTO_MESH_NAME + 1], sha256[SERVER_SHA256_HEX];
-    if (!server_files_manifest_name(file, name)) return;
+    if (!server_files_manifest_name(file, name)) {
+        if (strstr(file, SERVER_STORE_ASIDE))
+            check->aside++;
+        else
+            fault(check, "the file is none of the store's", path);
+        return;
+    }
     struct server_record *record = read_manifest(check, name);
     if (!record) {
         fault(check, "the manifest is damaged", name);
@@ -67,22 +184,8 @@ static void check_manifest(struct check *check, const char *file)
     check->manifests++;
     check_object(check, record);
     if (check->database && server_database_find(check->database, name, sha256) == SERVER_STORE_ABSENT)
-        check->unfinished++; /* a crash between manifest and row */
+        check->unfinished++;
     server_record_release(record);
-}
-
-static void check_manifests(struct check *check)
-{
-    char path[SERVER_DISK_PATH];
-    server_files_path(&check->files, path, "manifests");
-    DIR *directory = opendir(path);
-    if (!directory) {
-        fault(check, "the folder can't be read", path);
-        return;
-    }
-    for (struct dirent *entry; (entry = readdir(directory));)
-        if (entry->d_name[0] != '.') check_manifest(check, entry->d_name);
-    closedir(directory);
 }
 
 /* --- rows --------------------------------------------------------------------------------------------------------- */
@@ -91,7 +194,7 @@ static bool on_row(void *user, const struct server_row *row)
 {
     struct check *check = user;
     struct server_record *record = NULL;
-    if (server_record_read(row->text, row->size, &record) == SERVER_RECORD_READ && strcmp(record->name, row->name) == 0)
+    if (server_record_read_named(row->name, row->text, row->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
         fault(check, "the row in the database is damaged", row->name);
@@ -113,39 +216,67 @@ static void check_database(struct check *check)
     server_files_path(&check->files, path, "geodesicd.db");
     enum server_store_outcome outcome = server_database_open_to_read(path, &check->database);
     if (!outcome) outcome = server_database_each(check->database, on_row, check);
-    if (outcome && outcome != SERVER_STORE_ABSENT)
+    each_file(check, "manifests", on_manifest);
+    if (outcome == SERVER_STORE_ABSENT && check->manifests)
+        fault(check, "the database is missing; the next start makes it again from the manifests", path);
+    else if (outcome && outcome != SERVER_STORE_ABSENT)
         fault(check, "the database is damaged or can't be read; the next start makes it again from the manifests",
               path);
 }
 
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
+static void on_temporary(void *user, const char *path, const char *file)
+{
+    struct check *check = user;
+    (void)path, (void)file;
+    check->leftovers++;
+}
+
+/* What earlier starts put aside, beside the database. */
+static void on_file(void *user, const char *path, const char *file)
+{
+    struct check *check = user;
+    (void)path;
+    check->aside += strstr(file, SERVER_STORE_ASIDE) != NULL;
+}
+
 static void print_sums(const struct check *check)
 {
     if (check->unfinished)
         fprintf(check->out,
-                "note: %u changes were cut short before they were acknowledged; the next start settles them\n",
+                "note: %u meshes have no row in the database, or an older one: changes that were cut short before they "
+                "were "
+                "acknowledged, or rows that could not be written; the next start writes them\n",
                 check->unfinished);
-    fprintf(check->out, "%u manifests, %u rows, %u files (%llu bytes) verified: %u faults\n", check->manifests,
-            check->rows, check->objects, check->bytes, check->faults);
+    if (check->leftovers)
+        fprintf(check->out, "note: %u files that were not finished, or that no mesh has; the next start deletes them\n",
+                check->leftovers);
+    if (check->aside)
+        fprintf(check->out,
+                "note: %u damaged files were put aside (*%s*); delete them when they have told you enough\n",
+                check->aside, SERVER_STORE_ASIDE);
+    fprintf(check->out, "%u manifests, %u rows, %u files (%llu bytes), %u fields verified: %u faults\n",
+            check->manifests, check->rows, check->verified, check->bytes, check->fields, check->faults);
 }
 
 bool server_store_check(const char *folder, FILE *out)
 {
     struct check check = {.out = out};
-    char error[512];
-    if (access(folder, F_OK) != 0) {
-        fprintf(out, "there is no folder '%s'\n", folder);
-        return false;
-    }
-    if (!server_files_open(&check.files, folder, error, sizeof error)) {
+    char error[512], temporary[SERVER_DISK_PATH];
+    if (!server_files_open_existing(&check.files, folder, error, sizeof error)) {
         fprintf(out, "%s\n", error);
         return false;
     }
+    check_files(&check);
     check_database(&check);
-    check_manifests(&check);
+    check_unused_objects(&check);
+    server_files_path(&check.files, temporary, "temporary");
+    (void)server_disk_each(temporary, on_temporary, &check); /* there need not be any */
+    each_file(&check, "", on_file);
     print_sums(&check);
     server_database_close(check.database, false);
     server_files_close(&check.files);
+    free(check.objects);
     return check.faults == 0;
 }

@@ -29,6 +29,7 @@ struct server_database {
     sqlite3_stmt *statements[STATEMENTS];
     int log_pages;        /* in the log, after the last commit */
     bool cant_checkpoint; /* one failed: nothing is written any more */
+    bool had_no_log;      /* opened to be read, when it was closed: then the log that this makes goes with it */
 };
 
 /* --- open and close ----------------------------------------------------------------------------------------------- */
@@ -109,11 +110,18 @@ enum server_store_outcome server_database_open(const char *path, struct server_d
     return outcome;
 }
 
+static bool has_log(const char *path)
+{
+    char log[SERVER_DISK_PATH];
+    return snprintf(log, sizeof log, "%s-wal", path) < (int)sizeof log && access(log, F_OK) == 0;
+}
+
 enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out)
 {
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
     int version = 0;
+    database->had_no_log = !has_log(path);
     enum server_store_outcome outcome =
         access(path, F_OK) == 0 ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
     if (!outcome) outcome = server_store_version(database->connection, &version);
@@ -131,7 +139,8 @@ void server_database_close(struct server_database *database, bool is_sound)
 {
     if (!database) return;
     for (int i = 0; i < STATEMENTS; i++) sqlite3_finalize(database->statements[i]);
-    if (database->connection && (!is_sound || database->cant_checkpoint))
+    bool may_checkpoint = database->had_no_log || (is_sound && !database->cant_checkpoint);
+    if (database->connection && !may_checkpoint)
         sqlite3_db_config(database->connection, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     sqlite3_close(database->connection);
     free(database);

@@ -1,9 +1,9 @@
-/* Store database: the records of a local store as rows of SQLite. It is the store's fast index: each row has a manifest
- * (record.h) beside it, from which it can be made again.
+/* Store database: the records of a local store as rows of SQLite. It is the store's fast index: each row has a
+ * manifest (record.h) beside it, from which it can be made again.
  *
- * One connection, used by one thread at a time, writes and does all checkpoints itself, when it sees fit to: SQLite 3.40
- * can reset its log wrongly when two connections do. Every statement answers with an outcome of the store: READ_ONLY
- * means that SQLite could not write or sync. */
+ * One connection, used by one thread at a time, writes and does all checkpoints itself, when it sees fit to: SQLite
+ * 3.40 can reset its log wrongly when two connections do. Every statement answers with an outcome of the store:
+ * READ_ONLY means that SQLite could not write or sync. */
 #ifndef SERVER_STORE_DATABASE_H
 #define SERVER_STORE_DATABASE_H
 
@@ -15,9 +15,8 @@ struct server_database;
  * and made again. */
 enum server_store_outcome server_database_open(const char *path, struct server_database **out);
 
-/* Opens it to read it, for a moment, while another process may be writing: nothing is changed, but what a crash left half
- * done is settled, as at every opening. ABSENT: there is none, or it
- * has no tables yet. */
+/* Opens it to read it, for a moment, while another process may be writing: nothing is changed, but for the index of
+ * a log (-shm) that a crash left. ABSENT: there is none, or it has no tables yet. */
 enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out);
 
 /* Closes. `is_sound`: what is in the log may go into the database. NULL is harmless. */

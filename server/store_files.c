@@ -3,10 +3,12 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define BALLAST_BYTES   ((size_t)1 << 20)
@@ -97,11 +99,36 @@ static enum server_disk_result make_layout(const struct server_store_files *file
     return result;
 }
 
-static bool take_lock(struct server_store_files *files, char *error, size_t error_size)
+/* Makes durable the names of the folders that the data folder stands in: of those that this process may write to,
+ * since in no other can it have made one. */
+static enum server_disk_result sync_path(const char *folder)
+{
+    char text[SERVER_STORE_FOLDER], *path = text;
+    enum server_disk_result result = SERVER_DISK_DONE;
+    snprintf(text, sizeof text, "%s", folder);
+    do {
+        path = dirname(path);
+        if (access(path, W_OK) == 0) result = server_disk_sync_folder(path);
+    } while (!result && strcmp(path, "/") != 0 && strcmp(path, ".") != 0);
+    return result;
+}
+
+/* A process may have been killed after it made a folder and before the name was durable: who finds the folder and
+ * puts files into it would lose them with it. So all names that are there are made durable before the first use. */
+static enum server_disk_result sync_layout(const struct server_store_files *files)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, "objects");
+    enum server_disk_result result = sync_path(files->folder);
+    if (!result) result = server_disk_sync_folder(files->folder);
+    return result ? result : server_disk_sync_folder(path);
+}
+
+static bool take_lock(struct server_store_files *files, int flags, char *error, size_t error_size)
 {
     char path[SERVER_DISK_PATH];
     server_files_path(files, path, "lock");
-    files->lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    files->lock = open(path, flags | O_CLOEXEC, 0600);
     if (files->lock < 0) {
         snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
         return false;
@@ -114,7 +141,7 @@ static bool take_lock(struct server_store_files *files, char *error, size_t erro
     return false;
 }
 
-bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+static bool set_folder(struct server_store_files *files, const char *folder, char *error, size_t error_size)
 {
     *files = (struct server_store_files){.lock = -1};
     if (strlen(folder) >= sizeof files->folder) {
@@ -122,17 +149,43 @@ bool server_files_open(struct server_store_files *files, const char *folder, cha
         return false;
     }
     strcpy(files->folder, folder);
-    if (make_layout(files)) {
+    return true;
+}
+
+bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+{
+    if (!set_folder(files, folder, error, error_size)) return false;
+    if (make_layout(files) || sync_layout(files)) {
         snprintf(error, error_size, "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
                  folder, strerror(errno));
         return false;
     }
-    return take_lock(files, error, error_size);
+    return take_lock(files, O_RDWR | O_CREAT, error, error_size);
+}
+
+static bool has_folder(const struct server_store_files *files, const char *name)
+{
+    char path[SERVER_DISK_PATH];
+    struct stat facts;
+    server_files_path(files, path, name);
+    return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+{
+    char lock[SERVER_DISK_PATH];
+    if (!set_folder(files, folder, error, error_size)) return false;
+    if (!has_folder(files, "objects") || !has_folder(files, "manifests")) {
+        snprintf(error, error_size, "there is no data folder at '%s': name one by --data-dir", folder);
+        return false;
+    }
+    server_files_path(files, lock, "lock");
+    return access(lock, F_OK) != 0 || take_lock(files, O_RDWR, error, error_size); /* none: nobody uses it */
 }
 
 void server_files_close(struct server_store_files *files)
 {
-    close(files->lock);
+    if (files->lock >= 0) close(files->lock);
 }
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
@@ -189,6 +242,21 @@ void server_files_remove_object(const struct server_store_files *files, const ch
 static void manifests_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH])
 {
     server_files_path(files, path, "manifests");
+}
+
+enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *name,
+                                                      struct server_record **out, char sha256[SERVER_SHA256_HEX])
+{
+    char path[SERVER_DISK_PATH];
+    void *text;
+    size_t size;
+    server_files_manifest_path(files, path, name);
+    enum server_disk_result result = server_disk_read(path, &text, &size);
+    if (result) return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
+    enum server_record_reading reading = server_record_read_named(name, text, size, out);
+    server_sha256(text, size, sha256);
+    free(text);
+    return reading;
 }
 
 static enum server_disk_result put_aside(const struct server_store_files *files, const char *path)

@@ -16,7 +16,8 @@
 #include "server/disk.h"
 #include "server/store.h"
 
-#define SERVER_STORE_FOLDER 3500 /* most bytes of the folder's path */
+#define SERVER_STORE_FOLDER 3500       /* most bytes of the folder's path */
+#define SERVER_STORE_ASIDE  ".damaged" /* in the names of damaged files that were put aside */
 
 struct server_store_files {
     char folder[SERVER_STORE_FOLDER];
@@ -34,8 +35,11 @@ void server_files_manifest_path(const struct server_store_files *files, char pat
 /* The name that a manifest's file name stands for; false: it is none. */
 bool server_files_manifest_name(const char *file, char name[PROTO_MESH_NAME + 1]);
 
-/* Makes the folders and takes the lock; false with a sentence. server_files_close gives the lock back. */
+/* Makes the folders, with durable names, and takes the lock; false with a sentence. server_files_close gives the
+ * lock back. */
 bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size);
+/* The same of a data folder as it is there: nothing is made, and one without `objects` and `manifests` is none. */
+bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error, size_t error_size);
 void server_files_close(struct server_store_files *files);
 
 /* --- objects --- */
@@ -49,6 +53,11 @@ enum server_store_outcome server_files_read_object(const struct server_store_fil
 void server_files_remove_object(const struct server_store_files *files, const char *sha256);
 
 /* --- manifests --- */
+
+/* Reads the manifest of that name, and the SHA-256 of its text. DAMAGED also when it can't be read or is another
+ * name's. */
+enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *name,
+                                                      struct server_record **out, char sha256[SERVER_SHA256_HEX]);
 
 /* Writes the record's manifest, and keeps the older one aside until the change is settled. */
 enum server_store_outcome server_files_write_manifest(struct server_store_files *files,

@@ -48,7 +48,7 @@ static enum server_store_outcome judge(struct server_store_local *local, enum se
     return SERVER_STORE_READ_ONLY;
 }
 
-/* After a change that is durable: what it left to be done for the next one. */
+/* Once a change is durable: what the next one needs. */
 static void look_after(struct server_store_local *local)
 {
     if (!server_database_is_sound(local->database))
@@ -62,8 +62,17 @@ static void look_after(struct server_store_local *local)
 static void drop_if_unused(struct server_store_local *local, const char *sha256)
 {
     int64_t count;
-    if (!can_write(local) || server_database_count(local->database, sha256, &count) != SERVER_STORE_DONE) return;
+    if (!can_write(local) || local->lacks_rows) return;
+    if (server_database_count(local->database, sha256, &count) != SERVER_STORE_DONE) return;
     if (count == 0) server_files_remove_object(&local->files, sha256);
+}
+
+static void tidy(struct server_store *store)
+{
+    struct server_store_local *local = local_of(store);
+    if (local->left[0]) drop_if_unused(local, local->left);
+    local->left[0] = '\0';
+    if (can_write(local)) look_after(local); /* after the bytes: the ballast may need their room */
 }
 
 /* --- put ---------------------------------------------------------------------------------------------------------- */
@@ -94,8 +103,7 @@ static enum server_store_outcome put(struct server_store *store, const struct se
     if (outcome)
         drop_if_unused(local, record->sha256);
     else if (replaces && strcmp(before, record->sha256) != 0)
-        drop_if_unused(local, before);
-    if (!outcome) look_after(local);
+        strcpy(local->left, before);
     return outcome;
 }
 
@@ -129,8 +137,7 @@ static enum server_store_outcome remove_record(struct server_store *store, const
         server_local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
                             strerror(errno));
     if (outcome) return SERVER_STORE_READ_ONLY;
-    drop_if_unused(local, record->sha256);
-    look_after(local);
+    strcpy(local->left, record->sha256);
     return SERVER_STORE_DONE;
 }
 
@@ -185,6 +192,7 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .put = put,
                                          .keep = keep,
                                          .remove = remove_record,
+                                         .tidy = tidy,
                                          .fetch = fetch,
                                          .note_uses = note_uses,
                                          .health = health,

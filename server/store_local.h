@@ -1,4 +1,5 @@
-/* Local store: SQLite and files in one folder; its inside, which opening and use share. See store.h and store_files.h. */
+/* Local store: SQLite and files in one folder; its inside, which opening and use share. See store.h and
+ * store_files.h. */
 #ifndef SERVER_STORE_LOCAL_H
 #define SERVER_STORE_LOCAL_H
 
@@ -18,6 +19,8 @@ struct server_store_local {
     struct server_database *database; /* NULL: it can't be opened or made; then nothing is written */
     struct server_found *found;       /* sorted by name; given up once they were visited */
     uint32_t found_count;
+    char left[SERVER_SHA256_HEX]; /* hash of bytes that the change under way took from a surface; empty: none */
+    bool lacks_rows;              /* a row could not be mended: so the database can't tell which bytes are unused */
     atomic_bool is_read_only;
     char reason[512]; /* why; written once, before is_read_only is set */
 };

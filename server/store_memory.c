@@ -22,6 +22,11 @@ static enum server_store_outcome forget(struct server_store *store, const struct
     return SERVER_STORE_DONE;
 }
 
+static void tidy(struct server_store *store)
+{
+    (void)store;
+}
+
 static void note_uses(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count)
 {
@@ -47,6 +52,7 @@ struct server_store *server_store_memory_create(void)
                                    .put = put,
                                    .keep = put,
                                    .remove = forget,
+                                   .tidy = tidy,
                                    .note_uses = note_uses,
                                    .health = health,
                                    .close = destroy};

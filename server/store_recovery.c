@@ -1,6 +1,8 @@
-/* Recovery: how a local store opens, whatever the last process left behind, and whatever happened to the files since.
+/* Recovery: how a local store opens, whatever the last process left behind, and whatever happened to the files
+ * since.
  *
- * DESIGN. A manifest that can be read tells the truth: it was durable before its row, and is removed only after its row.
+ * DESIGN. A manifest that can be read tells the truth: it was durable before its row, and is removed only after its
+ * row.
  *     manifest     row                  what it was                        what is done
  *     good         the same             nothing                            nothing
  *     good         none, other, bad     a crash between the two, or a      the row is written
@@ -8,9 +10,8 @@
  *     none         good                 a manifest was lost                it is written
  *     bad          good                 a damaged manifest                 it is put aside and written again
  *     bad or none  bad or none          both are damaged                   put aside: that name is lost, and said so
- * Crashes alone lead only to the first two rows. A database that SQLite can't vouch for is put aside, and a new one is
- * made from the manifests. Objects are verified when they are loaded. */
-#include <dirent.h>
+ * Crashes alone lead only to the first two rows. A database that SQLite can't vouch for is put aside, and a new one
+ * is made from the manifests. Objects are verified when they are loaded. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,16 +70,11 @@ static struct finding *find_or_add(struct recovery *recovery, const char *name)
     return found ? found : add_finding(recovery, name);
 }
 
-/* The record of that name, or NULL when the text is not that. */
-static struct server_record *read_record(struct recovery *recovery, const char *name, const char *text, size_t size)
+/* What the reading of a record tells of the whole. */
+static void note_reading(struct recovery *recovery, enum server_record_reading reading)
 {
-    struct server_record *record = NULL;
-    enum server_record_reading reading = server_record_read(text, size, &record);
     recovery->is_newer |= reading == SERVER_RECORD_NEWER;
     recovery->no_memory |= reading == SERVER_RECORD_NO_MEMORY;
-    if (record && strcmp(record->name, name) == 0) return record;
-    server_record_release(record);
-    return NULL;
 }
 
 /* --- rows --------------------------------------------------------------------------------------------------------- */
@@ -90,27 +86,52 @@ static bool on_row(void *user, const struct server_row *row)
     if (!finding) return false;
     finding->has_row = true;
     finding->uses = row->uses;
-    finding->row = read_record(recovery, row->name, row->text, row->size);
+    note_reading(recovery, server_record_read_named(row->name, row->text, row->size, &finding->row));
     server_sha256(row->text, row->size, finding->checksum);
     return true;
 }
 
 /* --- the database ------------------------------------------------------------------------------------------------- */
 
+#define SUFFIX 64
+
+static void aside_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name,
+                       const char *suffix)
+{
+    char file[PROTO_MESH_NAME + 2 * SUFFIX];
+    snprintf(file, sizeof file, "%s%s", name, suffix);
+    server_files_path(files, path, file);
+}
+
+/* A suffix for damaged files that none of them has as yet: what was put aside before stays. */
+static void choose_suffix(const struct server_store_files *files, const char *const *names, char suffix[SUFFIX])
+{
+    char path[SERVER_DISK_PATH];
+    bool is_taken = true;
+    for (unsigned number = 1; is_taken; number++) {
+        snprintf(suffix, SUFFIX, SERVER_STORE_ASIDE "-%lld-%u", (long long)time(NULL), number);
+        is_taken = false;
+        for (size_t i = 0; names[i]; i++) {
+            aside_path(files, path, names[i], suffix);
+            is_taken |= access(path, F_OK) == 0;
+        }
+    }
+}
+
 static void move_aside(const struct server_store_files *files, const char *name, const char *suffix)
 {
     char path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
     server_files_path(files, path, name);
-    if (snprintf(aside, sizeof aside, "%s%s", path, suffix) < (int)sizeof aside) (void)rename(path, aside);
+    aside_path(files, aside, name, suffix);
+    (void)rename(path, aside);
 }
 
 static void move_database_aside(const struct server_store_files *files)
 {
-    char suffix[64];
-    snprintf(suffix, sizeof suffix, ".damaged-%lld", (long long)time(NULL));
-    move_aside(files, "geodesicd.db", suffix);
-    move_aside(files, "geodesicd.db-wal", suffix);
-    move_aside(files, "geodesicd.db-shm", suffix);
+    static const char *const names[] = {"geodesicd.db", "geodesicd.db-wal", "geodesicd.db-shm", NULL};
+    char suffix[SUFFIX];
+    choose_suffix(files, names, suffix);
+    for (size_t i = 0; names[i]; i++) move_aside(files, names[i], suffix);
     (void)server_disk_sync_folder(files->folder);
     server_log_message(
         SERVER_LOG_ERROR, "store_database_damaged",
@@ -161,43 +182,25 @@ static void open_database(struct recovery *recovery)
 
 /* --- manifests ---------------------------------------------------------------------------------------------------- */
 
-static void read_manifest(struct recovery *recovery, const char *name)
+static void on_manifest(void *user, const char *path, const char *file)
 {
-    struct finding *finding = find_or_add(recovery, name);
-    char path[SERVER_DISK_PATH], checksum[SERVER_SHA256_HEX];
-    void *text;
-    size_t size;
+    struct recovery *recovery = user;
+    char name[PROTO_MESH_NAME + 1], checksum[SERVER_SHA256_HEX] = "";
+    (void)path;
+    struct finding *finding = server_files_manifest_name(file, name) ? find_or_add(recovery, name) : NULL;
     if (!finding) return;
     finding->has_manifest = true;
-    server_files_manifest_path(&recovery->local->files, path, name);
-    enum server_disk_result result = server_disk_read(path, &text, &size);
-    recovery->no_memory |= result == SERVER_DISK_NO_MEMORY;
-    if (result) return;
-    finding->manifest = read_record(recovery, name, text, size);
-    server_sha256(text, size, checksum);
+    note_reading(recovery, server_files_read_manifest(&recovery->local->files, name, &finding->manifest, checksum));
     finding->differ = strcmp(checksum, finding->checksum) != 0;
-    free(text);
 }
 
-/* Calls `visit` with each file name of a folder. */
-static void each_file(const struct server_store_files *files, const char *folder,
-                      void (*visit)(struct recovery *recovery, const char *folder, const char *file),
-                      struct recovery *recovery)
+/* Visits what is in one of the store's folders. */
+static void each_file(struct recovery *recovery, const char *folder,
+                      void (*visit)(void *user, const char *path, const char *file))
 {
     char path[SERVER_DISK_PATH];
-    server_files_path(files, path, folder);
-    DIR *directory = opendir(path);
-    if (!directory) return;
-    for (struct dirent *entry; (entry = readdir(directory));)
-        if (entry->d_name[0] != '.') visit(recovery, folder, entry->d_name);
-    closedir(directory);
-}
-
-static void on_manifest(struct recovery *recovery, const char *folder, const char *file)
-{
-    char name[PROTO_MESH_NAME + 1];
-    (void)folder;
-    if (server_files_manifest_name(file, name)) read_manifest(recovery, name);
+    server_files_path(&recovery->local->files, path, folder);
+    (void)server_disk_each(path, visit, recovery);
 }
 
 /* --- mending ------------------------------------------------------------------------------------------------------ */
@@ -212,18 +215,25 @@ static void say(const struct finding *finding, enum server_store_outcome outcome
     server_log_end(&line);
 }
 
+/* A row that can't be mended leaves a database that doesn't know who has which bytes: so none are thrown away. */
 static void mend_row(struct server_store_local *local, const struct finding *finding)
 {
     enum server_store_outcome outcome =
         local->database ? server_database_put(local->database, finding->manifest) : SERVER_STORE_READ_ONLY;
+    local->lacks_rows |= outcome != SERVER_STORE_DONE;
     say(finding, outcome, "its row in the database was written again from its manifest");
+    if (outcome == SERVER_STORE_READ_ONLY)
+        server_local_forbid(local, "a row of the database could not be made durable");
 }
 
 static void put_manifest_aside(struct recovery *recovery, const struct finding *finding)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_manifest_path(&recovery->local->files, path, finding->name);
-    move_aside(&recovery->local->files, path + strlen(recovery->local->files.folder) + 1, ".damaged");
+    const struct server_store_files *files = &recovery->local->files;
+    char path[SERVER_DISK_PATH], suffix[SUFFIX];
+    server_files_manifest_path(files, path, finding->name);
+    const char *const names[] = {path + strlen(files->folder) + 1, NULL};
+    choose_suffix(files, names, suffix);
+    move_aside(files, names[0], suffix);
     recovery->lost_some = true;
 }
 
@@ -279,11 +289,9 @@ static bool settle_all(struct recovery *recovery)
 
 /* --- what nothing refers to --------------------------------------------------------------------------------------- */
 
-static void on_temporary(struct recovery *recovery, const char *folder, const char *file)
+static void on_temporary(void *user, const char *path, const char *file)
 {
-    char path[SERVER_DISK_PATH], name[SERVER_DISK_PATH];
-    if (snprintf(name, sizeof name, "%s/%s", folder, file) >= SERVER_DISK_PATH - SERVER_STORE_FOLDER) return;
-    server_files_path(&recovery->local->files, path, name);
+    (void)user, (void)file;
     (void)unlink(path);
 }
 
@@ -302,20 +310,20 @@ static const char **used_objects(const struct server_store_local *local)
     return used;
 }
 
-static void on_object(struct recovery *recovery, const char *folder, const char *file)
+static void on_object(void *user, const char *path, const char *file)
 {
+    const struct recovery *recovery = user;
     const struct server_store_local *local = recovery->local;
-    (void)folder;
+    (void)path;
     if (strlen(file) == SERVER_SHA256_HEX - 1 &&
         !bsearch(&file, recovery->used, local->found_count, sizeof(char *), by_text))
         server_files_remove_object(&local->files, file);
 }
 
-static void on_object_folder(struct recovery *recovery, const char *folder, const char *file)
+static void on_object_folder(void *user, const char *path, const char *file)
 {
-    char path[SERVER_DISK_PATH - SERVER_STORE_FOLDER];
-    if (snprintf(path, sizeof path, "%s/%s", folder, file) < (int)sizeof path)
-        each_file(&recovery->local->files, path, on_object, recovery);
+    (void)file;
+    (void)server_disk_each(path, on_object, user);
 }
 
 /* After damage nothing is thrown away: it may be what somebody can mend by hand. */
@@ -323,7 +331,7 @@ static void collect(struct recovery *recovery)
 {
     if (recovery->lost_some || recovery->local->is_read_only) return;
     recovery->used = used_objects(recovery->local);
-    if (recovery->used) each_file(&recovery->local->files, "objects", on_object_folder, recovery);
+    if (recovery->used) each_file(recovery, "objects", on_object_folder);
     free(recovery->used);
     if (server_files_load_ballast(&recovery->local->files) == SERVER_STORE_READ_ONLY)
         server_local_forbid(recovery->local, "the ballast could not be made durable");
@@ -334,9 +342,9 @@ static void collect(struct recovery *recovery)
 static bool recover(struct recovery *recovery, char *error, size_t error_size)
 {
     const struct server_store_files *files = &recovery->local->files;
-    each_file(files, "temporary", on_temporary, recovery);
+    each_file(recovery, "temporary", on_temporary);
     open_database(recovery);
-    each_file(files, "manifests", on_manifest, recovery);
+    each_file(recovery, "manifests", on_manifest);
     if (recovery->is_newer) {
         snprintf(error, error_size, "a later version of geodesicd wrote into '%s': run that one", files->folder);
         return false;

@@ -5,9 +5,10 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Reads every row, manifest and object of a folder that no daemon uses, changes nothing, and prints what it finds to
- * `out`: a line a fault, a line for each kind of thing that the next start will tidy up, and the sums. False: there are
- * faults, or the folder can't be checked. */
+/* Reads every row, manifest, object and stored field of a data folder that no daemon uses, and prints what it finds
+ * to `out`: a line a fault, a line for each kind of thing that the next start will tidy up, and the sums. Makes and
+ * changes nothing, but for what SQLite itself keeps beside a database whose daemon was killed (-shm). False: there
+ * are faults, there is no data folder, or it can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
 /* Makes a complete data folder `copy`, which must not hold one, of `folder` as it is at one moment, whether a daemon is

@@ -1,47 +1,49 @@
 /* See timekeeper.h. */
 #include "server/timekeeper.h"
 
-#include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
+#include "server/events.h"
+#include "server/jobs.h"
 #include "server/server.h"
+#include "server/thread.h"
 
-#define TICK_NS 10000000L /* a deadline is answered so late at most */
+#define TICK_NS UINT64_C(10000000)   /* a deadline is answered so late at most */
+#define LOOK_NS UINT64_C(1000000000) /* between two looks at ended jobs and idle streams */
 
 struct server_timekeeper {
     struct server *server;
-    pthread_mutex_t lock;
-    pthread_cond_t change;
-    bool stopping;
-    pthread_t thread;
+    struct server_thread *thread;
 };
 
 static void tick(struct server *server)
 {
-    struct timespec pause = {.tv_nsec = TICK_NS};
-    nanosleep(&pause, NULL);
     uint64_t now = gd_now_ns();
     server_workers_expire(server->workers, now);
     server_cache_expire(server->cache, now);
     server_loads_expire(server->loads, now);
+    server_registry_expire(server->registry, now);
+    if (server_workers_cancelled(server->workers)) server_registry_cancel(server->registry);
+    server_jobs_sweep(server->jobs, now);
+    server_events_tick(server->events, now);
 }
 
-static void *keep_time(void *user)
+static bool is_idle(const struct server *server)
 {
-    struct server_timekeeper *timekeeper = user;
-    pthread_mutex_lock(&timekeeper->lock);
-    while (!timekeeper->stopping) {
-        if (atomic_load(&timekeeper->server->deferred) == 0) {
-            pthread_cond_wait(&timekeeper->change, &timekeeper->lock);
-            continue;
-        }
-        pthread_mutex_unlock(&timekeeper->lock);
-        tick(timekeeper->server);
-        pthread_mutex_lock(&timekeeper->lock);
-    }
-    pthread_mutex_unlock(&timekeeper->lock);
-    return NULL;
+    return server_jobs_is_empty(server->jobs) && server_events_count(server->events) == 0;
+}
+
+/* Until the next tick; while requests wait, whose number goes to and from zero all the time, wakes don't hasten it. */
+static bool rest(const struct server *server, struct server_thread *thread)
+{
+    if (atomic_load(&server->deferred)) return server_thread_sleep(thread, TICK_NS);
+    return server_thread_pause(thread, is_idle(server) ? SERVER_THREAD_FOREVER : LOOK_NS);
+}
+
+static void keep_time(void *user, struct server_thread *thread)
+{
+    const struct server_timekeeper *timekeeper = user;
+    while (rest(timekeeper->server, thread)) tick(timekeeper->server);
 }
 
 struct server_timekeeper *server_timekeeper_create(struct server *server)
@@ -49,29 +51,20 @@ struct server_timekeeper *server_timekeeper_create(struct server *server)
     struct server_timekeeper *timekeeper = calloc(1, sizeof *timekeeper);
     if (!timekeeper) return NULL;
     timekeeper->server = server;
-    pthread_mutex_init(&timekeeper->lock, NULL);
-    pthread_cond_init(&timekeeper->change, NULL);
-    if (pthread_create(&timekeeper->thread, NULL, keep_time, timekeeper) == 0) return timekeeper;
+    timekeeper->thread = server_thread_start(keep_time, timekeeper);
+    if (timekeeper->thread) return timekeeper;
     free(timekeeper);
     return NULL;
 }
 
 void server_timekeeper_wake(struct server_timekeeper *timekeeper)
 {
-    pthread_mutex_lock(&timekeeper->lock);
-    pthread_cond_signal(&timekeeper->change);
-    pthread_mutex_unlock(&timekeeper->lock);
+    server_thread_wake(timekeeper->thread);
 }
 
 void server_timekeeper_destroy(struct server_timekeeper *timekeeper)
 {
     if (!timekeeper) return;
-    pthread_mutex_lock(&timekeeper->lock);
-    timekeeper->stopping = true;
-    pthread_cond_signal(&timekeeper->change);
-    pthread_mutex_unlock(&timekeeper->lock);
-    pthread_join(timekeeper->thread, NULL);
-    pthread_cond_destroy(&timekeeper->change);
-    pthread_mutex_destroy(&timekeeper->lock);
+    server_thread_stop(timekeeper->thread);
     free(timekeeper);
 }

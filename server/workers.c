@@ -63,7 +63,7 @@ static void run_job(struct server_workers *workers, struct server_job *job)
 {
     if (atomic_load(&workers->cancelled))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
-    else if (job->deadline_ns <= gd_now_ns())
+    else if (server_job_is_late(job, gd_now_ns()))
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);

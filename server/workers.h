@@ -5,8 +5,8 @@
  * without it, so they may take any lock.
  *
  * Background jobs are for idle times: one at a time, begun when the queue is empty. Such a job yields every millisecond or
- * so: when all threads are at work it runs what is queued itself, before it goes on. So it costs a request a millisecond at
- * most, and no work is lost.
+ * so while it computes: when all threads are at work it runs what is queued itself, before it goes on. So no work is lost,
+ * and it costs a request a millisecond, unless it is at the disk just then (landmarks.h).
  *
  * States: open -> cancelled (jobs in the queue and coming ones are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. */
@@ -39,7 +39,7 @@ void server_workers_yield(struct server_workers *workers);
 /* Refuses the background jobs that were not begun. */
 void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why);
 
-/* Refuses the queued jobs whose deadline has passed. */
+/* Refuses the queued jobs that are late. */
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 
 /* Refuses all queued and coming jobs, those of the background too, and makes server_workers_cancelled true. */

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stdint.h>
+#include <string.h>
 #include <sys/mman.h>
 
 #define HUGE_PAGE ((size_t)2 << 20)
@@ -87,7 +88,8 @@ static struct gd__kept take_spare(size_t reserved)
 
 /* --- regions ------------------------------------------------------------------------------------------------------------- */
 
-/* Address space from a huge page's border on: only what is touched becomes memory. */
+/* Address space from a huge page's border on, LEAST or more: only what is touched becomes memory. The first huge page's worth and the rest are two
+ * mappings for ever: Linux before 6.17 moves no range that spans several. */
 static char *reserve(size_t size)
 {
     char *pages =
@@ -96,7 +98,7 @@ static char *reserve(size_t size)
     char *base = (char *)up((uintptr_t)pages, HUGE_PAGE);
     if (base > pages) munmap(pages, (size_t)(base - pages));
     munmap(base + size, HUGE_PAGE - (size_t)(base - pages));
-    if (size > HUGE_PAGE) madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE); /* small arrays stay small */
+    madvise(base + HUGE_PAGE, size - HUGE_PAGE, MADV_HUGEPAGE); /* small arrays stay small */
     return base;
 }
 
@@ -115,7 +117,8 @@ enum gd_status gd__region_open(struct gd__region *region, size_t most, const str
     return GD_OK;
 }
 
-/* Twice the address space, at another place; the pages move along. */
+/* Twice the address space, at another place. The second mapping's pages move along, and it grows on the way, so that it stays one; what is in the
+ * first is copied. Where moving fails the kernel may have unmapped the new place already: what lies there now need not be ours. */
 static enum gd_status extend(struct gd__region *region, size_t need)
 {
     size_t size = region->reserved;
@@ -124,10 +127,13 @@ static enum gd_status extend(struct gd__region *region, size_t need)
     if (size > GD__REGION_MOST) size = GD__REGION_MOST;
     char *base = reserve(size);
     if (!base) return GD_NO_MEMORY;
-    if (mremap(region->base, region->reserved, region->reserved, MREMAP_MAYMOVE | MREMAP_FIXED, base) == MAP_FAILED) {
-        munmap(base, size);
+    if (mremap(region->base + HUGE_PAGE, region->reserved - HUGE_PAGE, size - HUGE_PAGE, MREMAP_MAYMOVE | MREMAP_FIXED,
+               base + HUGE_PAGE) == MAP_FAILED) {
+        munmap(base, HUGE_PAGE);
         return GD_NO_MEMORY;
     }
+    memcpy(base, region->base, region->used < HUGE_PAGE ? region->used : HUGE_PAGE);
+    munmap(region->base, HUGE_PAGE);
     region->base = base;
     region->reserved = size;
     return GD_OK;

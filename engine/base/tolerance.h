@@ -72,6 +72,10 @@
 #define GD_TOL_ENVELOPE 1e-12
 #define GD_TOL_PLACE    4e-15
 
+/* In a Voronoi diagram each member is taken to be farther than it is by less than this part of the field's greatest distance, another one for each:
+ * well above what rounding makes of ties, well below the promise of the interface. */
+#define GD_TOL_TIE 1e-11
+
 /* Ends of an isoline's arcs this close together, relative to the face, are looked at first to find which of them are one. It bounds the work, not
  * what is matched. */
 #define GD_TOL_MEET 1e-6
@@ -87,8 +91,10 @@
  * flat as GD_TOL_FLAT a distance along the way may be off by some 1e-10, and what is pruned there has no other way on. */
 #define GD_TOL_BOUND 1e-8
 
-/* Rounding of a distance that is kept as a float. */
-#define GD_TOL_FLOAT 6e-8
+/* Rounding of a distance that is kept as a float, or of a difference of such: by this part, and in components so small that floats no longer tell
+ * lengths well by a few of the smallest one. */
+#define GD_TOL_FLOAT       6e-8
+#define GD_TOL_FLOAT_LEAST 1e-44
 
 /* Coordinates and extents beyond this and its inverse are refused: their squares leave the range of doubles. */
 #define GD_EXTENT_MAX 1e150

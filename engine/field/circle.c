@@ -6,56 +6,6 @@
 
 /* All that bounds an arc is a disk or a half-plane, and meets the circle where cos(angle - phi) >= q for some phi and q. */
 
-enum { PARTS = 6 };
-
-/* Few disjoint spans within [-pi, pi]. */
-struct parts {
-    int count;
-    struct gd__span part[PARTS];
-};
-
-static const struct parts everywhere = {1, {{-M_PI, M_PI}}};
-
-/* Where cos(angle - phi) >= q; phi in [-pi, pi]. */
-static struct parts parts_around(double phi, double q)
-{
-    if (q <= -1) return everywhere;
-    if (!(q < 1)) return (struct parts){0};
-    double half = acos(q), from = phi - half, to = phi + half;
-    if (from < -M_PI) return (struct parts){2, {{-M_PI, to}, {from + 2 * M_PI, M_PI}}};
-    if (to > M_PI) return (struct parts){2, {{-M_PI, to - 2 * M_PI}, {from, M_PI}}};
-    return (struct parts){1, {{from, to}}};
-}
-
-/* m and n spans have at most m + n - 1 in common. */
-static struct parts both(const struct parts *a, const struct parts *b)
-{
-    struct parts common = {0};
-    for (int i = 0; i < a->count; i++) {
-        for (int k = 0; k < b->count; k++) {
-            double from = fmax(a->part[i].from, b->part[k].from), to = fmin(a->part[i].to, b->part[k].to);
-            if (from < to && common.count < PARTS) common.part[common.count++] = (struct gd__span){from, to};
-        }
-    }
-    return common;
-}
-
-static enum gd_status put(struct gd__spans *spans, struct gd__span span)
-{
-    struct gd__span *grown = gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
-    if (!grown) return GD_NO_MEMORY;
-    spans->span = grown;
-    spans->span[spans->count++] = span;
-    return GD_OK;
-}
-
-static enum gd_status put_all(struct gd__spans *spans, const struct parts *parts)
-{
-    enum gd_status status = GD_OK;
-    for (int i = 0; i < parts->count && !status; i++) status = put(spans, parts->part[i]);
-    return status;
-}
-
 /* --- the circle ---------------------------------------------------------------------------------------------------------- */
 
 static double angle_of(const struct gd__circle *circle, double dx, double dy)
@@ -94,38 +44,38 @@ static double height_over(const struct gd__circle *circle, struct gd__local norm
 }
 
 /* On the side of a line to which its normal points. */
-static struct parts in_half_plane(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
+static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
 {
-    return parts_around(angle_of(circle, normal.x, normal.y), -height_over(circle, normal, through) / circle->radius);
+    return gd__turn_around(angle_of(circle, normal.x, normal.y), -height_over(circle, normal, through) / circle->radius);
 }
 
 /* On the other side. A circle that touches the line up to `slack` stays on its centre's side. */
-static struct parts beyond_line(const struct gd__circle *circle, struct gd__local normal, struct gd__local through,
+static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal, struct gd__local through,
                                 double slack)
 {
     double height = height_over(circle, normal, through);
-    if (fabs(fabs(height) - circle->radius) <= slack) return height > 0 ? (struct parts){0} : everywhere;
-    return parts_around(angle_of(circle, -normal.x, -normal.y), height / circle->radius);
+    if (fabs(fabs(height) - circle->radius) <= slack) return height > 0 ? (struct gd__turn){0} : gd__turn_all;
+    return gd__turn_around(angle_of(circle, -normal.x, -normal.y), height / circle->radius);
 }
 
-static struct parts in_disk(const struct gd__circle *circle, struct gd__local centre, double radius)
+static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local centre, double radius)
 {
     double dx = centre.x - circle->centre.x, dy = centre.y - circle->centre.y, apart = sqrt(dx * dx + dy * dy);
     double excess = (circle->radius - radius) * (circle->radius + radius);
-    if (radius <= 0) return (struct parts){0};
-    if (apart == 0) return excess <= 0 ? everywhere : (struct parts){0};
-    return parts_around(angle_of(circle, dx, dy), (apart * apart + excess) / (2 * apart * circle->radius));
+    if (radius <= 0) return (struct gd__turn){0};
+    if (apart == 0) return excess <= 0 ? gd__turn_all : (struct gd__turn){0};
+    return gd__turn_around(angle_of(circle, dx, dy), (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
 /* Where a source gives no more than a distance of that radius beyond its sigma. */
-static struct parts seen_by(const struct gd__circle *circle, const struct gd__source *source, double radius)
+static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source, double radius)
 {
-    struct parts parts = in_disk(circle, source->at, radius);
+    struct gd__turn parts = in_disk(circle, source->at, radius);
     if (!source->has_sector || !parts.count) return parts;
-    struct parts right_of = in_half_plane(circle, source->left, source->at);
-    parts = both(&parts, &right_of);
-    struct parts left_of = in_half_plane(circle, source->right, source->at);
-    return both(&parts, &left_of);
+    struct gd__turn right_of = in_half_plane(circle, source->left, source->at);
+    parts = gd__turn_both(&parts, &right_of);
+    struct gd__turn left_of = in_half_plane(circle, source->right, source->at);
+    return gd__turn_both(&parts, &left_of);
 }
 
 static enum gd_status cover_outside_face(const struct gd__circle *circle, const struct gd__frame *frame, double slack,
@@ -134,8 +84,8 @@ static enum gd_status cover_outside_face(const struct gd__circle *circle, const 
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
         struct gd__local inwards = {-frame->along[k].y, frame->along[k].x};
-        struct parts outside = beyond_line(circle, inwards, frame->corner[k], slack);
-        status = put_all(covered, &outside);
+        struct gd__turn outside = beyond_line(circle, inwards, frame->corner[k], slack);
+        status = gd__spans_put(covered, &outside, 0);
     }
     return status;
 }
@@ -144,10 +94,10 @@ static enum gd_status cover_outside_sector(const struct gd__circle *circle, cons
                                            struct gd__spans *covered)
 {
     if (!source->has_sector) return GD_OK;
-    struct parts beyond_left = beyond_line(circle, source->left, source->at, 0),
+    struct gd__turn beyond_left = beyond_line(circle, source->left, source->at, 0),
                  beyond_right = beyond_line(circle, source->right, source->at, 0);
-    enum gd_status status = put_all(covered, &beyond_left);
-    return status ? status : put_all(covered, &beyond_right);
+    enum gd_status status = gd__spans_put(covered, &beyond_left, 0);
+    return status ? status : gd__spans_put(covered, &beyond_right, 0);
 }
 
 /* A span as the disk about its middle that holds it. */
@@ -182,46 +132,13 @@ static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_
         const struct gd__source *other = &sources->source[k];
         double radius = level - other->sigma + (k < i ? slack : -slack);
         if (k == i || !may_cover(other, radius, &probe)) continue;
-        struct parts seen = seen_by(circle, other, radius);
-        status = put_all(covered, &seen);
+        struct gd__turn seen = seen_by(circle, other, radius);
+        status = gd__spans_put(covered, &seen, 0);
     }
     return status;
 }
 
 /* --- its arcs ------------------------------------------------------------------------------------------------------------ */
-
-static int by_start(const void *a, const void *b)
-{
-    const struct gd__span *x = a, *y = b;
-    return (x->from > y->from) - (x->from < y->from);
-}
-
-/* What the spans leave of [-pi, pi], without what is no wider than `least`. */
-static enum gd_status invert(struct gd__spans *covered, double least, struct gd__spans *out)
-{
-    double reached = -M_PI;
-    enum gd_status status = put(covered, (struct gd__span){M_PI, M_PI});
-    if (status) return status;
-    qsort(covered->span, covered->count, sizeof *covered->span, by_start);
-    out->count = 0;
-    for (uint32_t i = 0; i < covered->count && !status; i++) {
-        struct gd__span next = covered->span[i];
-        if (next.from - reached > least) status = put(out, (struct gd__span){reached, next.from});
-        reached = fmax(reached, next.to);
-    }
-    return status;
-}
-
-/* A first and a last span that meet at pi are one. */
-static void join_ends(struct gd__spans *spans)
-{
-    if (spans->count < 2) return;
-    struct gd__span *first = &spans->span[0], *last = &spans->span[spans->count - 1];
-    if (first->from > -M_PI || last->to < M_PI) return;
-    last->to = first->to + 2 * M_PI;
-    spans->count--;
-    for (uint32_t i = 0; i < spans->count; i++) spans->span[i] = spans->span[i + 1];
-}
 
 /* Does the circle enclose the face? Then no point of it is in the face. */
 static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame)
@@ -242,11 +159,11 @@ enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i, do
     if (encloses_face(&circle, &sources->frame)) return GD_OK;
     enum gd_status status = cover_outside_face(&circle, &sources->frame, slack, covered);
     if (!status) status = cover_outside_sector(&circle, &sources->source[i], covered);
-    if (!status) status = invert(covered, least, arcs);
+    if (!status) status = gd__spans_invert(covered, least, arcs);
     if (status || !arcs->count) return status;
     for (uint32_t k = 0; k < arcs->count && !status; k++)
         status = cover_by_others(sources, i, &circle, slack, &arcs->span[k], covered);
-    if (!status) status = invert(covered, least, arcs);
-    if (!status) join_ends(arcs);
+    if (!status) status = gd__spans_invert(covered, least, arcs);
+    if (!status) gd__spans_join(arcs);
     return status;
 }

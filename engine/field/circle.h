@@ -3,17 +3,7 @@
 #define GD_FIELD_CIRCLE_H
 
 #include "field/sources.h"
-
-/* Angles from..to, counter-clockwise. */
-struct gd__span {
-    double from, to;
-};
-
-/* All zero is empty; reused. */
-struct gd__spans {
-    struct gd__span *span;
-    uint32_t count, capacity;
-};
+#include "field/spans.h"
 
 struct gd__circle {
     struct gd__local centre;

@@ -3,6 +3,7 @@
 #define GD_FIELD_FRAME_H
 
 #include "field/layout.h"
+#include "mesh/axes.h"
 #include "mesh/canonical.h"
 
 struct gd__frame {
@@ -43,21 +44,6 @@ static inline struct gd_point gd__frame_point(const struct gd_mesh *mesh, uint32
            w0 = fmax(1 - w1 - w2, 0);
     double sum = w0 + w1 + w2;
     return gd__point_of_face(mesh, face, (double[3]){w0 / sum, w1 / sum, w2 / sum});
-}
-
-/* A side's frame in space: unit vectors along it and across it into its face. */
-struct gd__axes {
-    struct gd_vec3 origin, along, across; /* origin: inside unit */
-};
-
-static inline struct gd__axes gd__axes_of_side(const struct gd_mesh *mesh, uint32_t side)
-{
-    struct gd_vec3 origin = mesh->position[mesh->origin[side]];
-    struct gd_vec3 along = gd_vec3_sub(mesh->position[gd__side_destination(mesh, side)], origin),
-                   apex = gd_vec3_sub(mesh->position[gd__side_apex(mesh, side)], origin);
-    along = gd_vec3_scale(along, 1 / gd_vec3_length(along));
-    struct gd_vec3 across = gd_vec3_along(apex, -gd_vec3_dot(apex, along), along);
-    return (struct gd__axes){origin, along, gd_vec3_scale(across, 1 / gd_vec3_length(across))};
 }
 
 #endif

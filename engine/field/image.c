@@ -3,16 +3,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An image: a header, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct layout below. */
+#include "mesh/stamp.h"
+
+/* An image: a header that begins with the stamp, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct
+ * layout below. */
 
 static const char magic[8] = "GDFIELD";
-static const uint32_t version = 2; /* of this layout and of the numbering that a mesh gives its elements */
-static const uint32_t byte_order = 0x01020304;
+static const uint32_t version = 2;
 
 struct header {
-    char magic[8];
-    uint32_t version, byte_order;
-    uint64_t fingerprint; /* of the mesh */
+    struct gd__stamp stamp;
     uint64_t wedge_bytes; /* of all chunks */
     uint32_t vertex_count, edge_count, seed_count, reserved;
     double reach;
@@ -46,26 +46,6 @@ static struct layout layout_of(size_t vertices, size_t edges, size_t wedge_bytes
 
 /* --- writing ------------------------------------------------------------------------------------------------------------- */
 
-static uint64_t mix(uint64_t hash, const void *bytes, size_t words)
-{
-    for (size_t i = 0; i < words; i++) {
-        uint64_t word;
-        memcpy(&word, (const char *)bytes + 8 * i, 8);
-        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
-/* Tells meshes apart whose elements are numbered or placed differently: positions and the origins of the sides say both. */
-uint64_t gd__mesh_fingerprint(const struct gd_mesh *mesh)
-{
-    uint64_t counts[3] = {mesh->vertex_count, mesh->face_count, mesh->edge_count};
-    uint64_t hash = mix(mix(0, counts, 3), &mesh->unit, 1);
-    hash = mix(hash, mesh->position, 3 * (size_t)mesh->vertex_count);
-    return mix(hash, mesh->origin, mesh->edge_count); /* 2 x 4 bytes an edge */
-}
-
 static struct layout layout_of_field(const struct gd_field *field)
 {
     return layout_of(field->mesh->vertex_count, field->mesh->edge_count, field->wedge_bytes, field->seed_count);
@@ -81,16 +61,13 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
     const struct gd_mesh *mesh = field->mesh;
     struct layout l = layout_of_field(field);
     char *image = memset(bytes, 0, l.size); /* the gaps too: the same field gives the same bytes */
-    struct header header = {.version = version,
-                            .byte_order = byte_order,
-                            .fingerprint = gd__mesh_fingerprint(mesh),
+    struct header header = {.stamp = gd__stamp(mesh, magic, version),
                             .wedge_bytes = field->wedge_bytes,
                             .vertex_count = mesh->vertex_count,
                             .edge_count = mesh->edge_count,
                             .seed_count = field->seed_count,
                             .reach = field->reach,
                             .statistics = field->statistics};
-    memcpy(header.magic, magic, sizeof magic);
     memcpy(image, &header, sizeof header);
     memcpy(image + l.distance, field->distance, mesh->vertex_count * sizeof *field->distance);
     memcpy(image + l.birth, field->birth, mesh->vertex_count * sizeof *field->birth);
@@ -104,15 +81,10 @@ void gd_field_write_image(const struct gd_field *field, void *bytes)
 static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size,
                                    struct gd_detail *detail)
 {
-    if (memcmp(header->magic, magic, sizeof magic) != 0 || header->byte_order != byte_order)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are no field image of a machine like this");
-    if (header->version != version)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the image has version %u, this program reads version %u",
-                       header->version, version);
+    enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, detail);
+    if (status) return status;
     if (header->vertex_count != mesh->vertex_count || header->edge_count != mesh->edge_count ||
-        header->fingerprint != gd__mesh_fingerprint(mesh))
-        return gd_fail(detail, GD_INVALID_ARGUMENT, "the image belongs to another mesh");
-    if (header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 || header->seed_count == 0 ||
+        header->wedge_bytes > size || header->wedge_bytes % GD__CHUNK_UNIT != 0 || header->seed_count == 0 ||
         header->seed_count > size / sizeof(struct gd__seed))
         return gd_fail(detail, GD_INDEX, "the image's counts are impossible");
     if (layout_of(header->vertex_count, header->edge_count, header->wedge_bytes, header->seed_count).size != size)
@@ -120,9 +92,11 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
     return GD_OK;
 }
 
+/* A seed or a vertex that was reached itself, so that the way back from it is known; GD_NONE stands for no source. */
 static bool is_source(const struct gd_field *field, uint32_t source)
 {
-    return source == GD_NONE || source < field->mesh->vertex_count + (uint64_t)field->seed_count;
+    if (source < field->mesh->vertex_count) return field->distance[source] < GD__FAR;
+    return source == GD_NONE || source - field->mesh->vertex_count < field->seed_count;
 }
 
 static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
@@ -138,7 +112,8 @@ static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
     return false;
 }
 
-/* A vertex that was reached from its face knows a side with a face; one that was reached along an edge is next to its source. */
+/* A vertex that was reached from its face knows a side with a face; one that was reached along an edge is next to its source.
+ * Only one that was not reached knows neither. */
 static bool is_birth(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -147,6 +122,7 @@ static bool is_birth(const struct gd_field *field, uint32_t vertex)
     if (birth->side != GD_NONE)
         return birth->side < 2 * mesh->edge_count && !gd__side_is_boundary(mesh, birth->side) &&
                gd__side_apex(mesh, birth->side) == vertex;
+    if (birth->source == GD_NONE) return field->distance[vertex] >= GD__FAR;
     return birth->source >= mesh->vertex_count || gd__side_between(mesh, vertex, birth->source) != GD_NONE;
 }
 

@@ -7,13 +7,13 @@
 
 /* An isoline from edge to edge and face to face: finds all crossings and chains, then follows chain after chain. */
 
-enum { CHECK_INTERVAL = 1024 /* edges or faces that a line may cross */ };
+enum { STEPS_AN_ARC = 8 /* to put it into the caller's terms */ };
 
 struct tracer {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
     double level; /* inside unit */
-    const struct gd_control *control;
+    struct gd__pace pace;
     struct gd__parts parts;
     struct gd__places places;
     struct gd__face_scratch scratch;
@@ -21,7 +21,6 @@ struct tracer {
         onwards; /* per crossing: the chain that goes on from it; GD_NONE: it lies on the boundary and a line ends there */
     uint32_t *first; /* per line: its first chain; open lines, then closed ones */
     uint32_t line_count, open_count;
-    uint32_t work;
 };
 
 static void close_tracer(struct tracer *tracer)
@@ -38,15 +37,16 @@ static void close_tracer(struct tracer *tracer)
 
 /* --- crossings and chains ------------------------------------------------------------------------------------------------ */
 
-static enum gd_status check(struct tracer *tracer, double fraction)
+/* What is found is held twice when it is put into the caller's terms. */
+static enum gd_status step(struct tracer *tracer, double fraction)
 {
-    if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
     const struct gd__parts *parts = &tracer->parts;
-    size_t held = (size_t)tracer->mesh->edge_count * sizeof *parts->first_crossing +
-                  2 * (parts->crossing_capacity * sizeof *parts->crossing +
-                       parts->piece_capacity * sizeof *parts->piece + parts->chain_capacity * sizeof *parts->chain);
-    enum gd_status status = gd_control_afford(tracer->control, held);
-    return status ? status : gd_control_check(tracer->control, fraction);
+    tracer->pace.held =
+        (size_t)tracer->mesh->edge_count * sizeof *parts->first_crossing +
+        2 * (parts->crossing_capacity * sizeof *parts->crossing + parts->piece_capacity * sizeof *parts->piece +
+             parts->chain_capacity * sizeof *parts->chain);
+    tracer->pace.fraction = fraction;
+    return gd__pace_step(&tracer->pace, 1);
 }
 
 /* Along an edge the distance changes by no more than its length; an end that a partial field has not reached counts as that far. */
@@ -67,10 +67,10 @@ static enum gd_status cross_edges(struct tracer *tracer)
     if (!tracer->parts.first_crossing) return GD_NO_MEMORY;
     for (uint32_t edge = 0; edge < mesh->edge_count && !status; edge++) {
         tracer->parts.first_crossing[edge] = tracer->parts.crossing_count;
-        if (!may_cross_edge(tracer, edge)) continue;
-        status = check(tracer, 0.5 * edge / mesh->edge_count);
-        if (!status)
-            status = gd__isoline_cross_edge(tracer->field, edge, tracer->level, &tracer->places, &tracer->parts);
+        status = step(tracer, 0.45 * edge / mesh->edge_count);
+        if (!status && may_cross_edge(tracer, edge))
+            status = gd__isoline_cross_edge(tracer->field, edge, tracer->level, &tracer->pace, &tracer->places,
+                                            &tracer->parts);
     }
     tracer->parts.first_crossing[mesh->edge_count] = tracer->parts.crossing_count;
     return status;
@@ -105,10 +105,10 @@ static enum gd_status cross_faces(struct tracer *tracer)
     const struct gd_mesh *mesh = tracer->mesh;
     enum gd_status status = GD_OK;
     for (uint32_t face = 0; face < mesh->face_count && !status; face++) {
-        if (!has_crossings(tracer, face) && !may_hold_loop(tracer, face)) continue;
-        status = check(tracer, 0.5 + 0.5 * face / mesh->face_count);
-        if (!status)
-            status = gd__isoline_cross_face(tracer->field, face, tracer->level, &tracer->scratch, &tracer->parts);
+        status = step(tracer, 0.45 + 0.45 * face / mesh->face_count);
+        if (!status && (has_crossings(tracer, face) || may_hold_loop(tracer, face)))
+            status = gd__isoline_cross_face(tracer->field, face, tracer->level, &tracer->pace, &tracer->scratch,
+                                            &tracer->parts);
     }
     return status;
 }
@@ -123,14 +123,17 @@ static uint32_t next_chain(const struct tracer *tracer, uint32_t chain)
 }
 
 /* Follows the chains from one on; notes it as the first of a line if there is more to the line than rounding. */
-static void follow(struct tracer *tracer, uint32_t first, bool *visited)
+static enum gd_status follow(struct tracer *tracer, uint32_t first, bool *visited)
 {
     bool has_arcs = false;
-    for (uint32_t chain = first; chain != GD_NONE && !visited[chain]; chain = next_chain(tracer, chain)) {
+    enum gd_status status = GD_OK;
+    for (uint32_t chain = first; chain != GD_NONE && !visited[chain] && !status; chain = next_chain(tracer, chain)) {
         visited[chain] = true;
         has_arcs |= tracer->parts.chain[chain].has_arcs;
+        status = gd__pace_step(&tracer->pace, 1);
     }
     if (has_arcs) tracer->first[tracer->line_count++] = first;
+    return status;
 }
 
 /* Open lines begin at a crossing at which no chain arrives. */
@@ -149,12 +152,12 @@ static enum gd_status find_lines(struct tracer *tracer)
         tracer->onwards[parts->chain[i].entry] = i;
         arrives[parts->chain[i].exit] = true;
     }
-    for (uint32_t i = 0; i < parts->crossing_count; i++)
-        if (!arrives[i] && tracer->onwards[i] != GD_NONE) follow(tracer, tracer->onwards[i], visited);
-    tracer->open_count = tracer->line_count;
-    for (uint32_t i = 0; i < parts->chain_count; i++)
-        if (!visited[i]) follow(tracer, i, visited);
     status = GD_OK;
+    for (uint32_t i = 0; i < parts->crossing_count && !status; i++)
+        if (!arrives[i] && tracer->onwards[i] != GD_NONE) status = follow(tracer, tracer->onwards[i], visited);
+    tracer->open_count = tracer->line_count;
+    for (uint32_t i = 0; i < parts->chain_count && !status; i++)
+        if (!visited[i]) status = follow(tracer, i, visited);
 done:
     free(arrives);
     free(visited);
@@ -224,17 +227,20 @@ static void end_line(struct exporter *exporter, bool closed)
     if (line.arc_count) to->lines[to->line_count++] = line;
 }
 
-static void export_line(struct exporter *exporter, const struct tracer *tracer, uint32_t first, bool closed)
+static enum gd_status export_line(struct exporter *exporter, struct tracer *tracer, uint32_t first, bool closed)
 {
     struct gd_isoline *to = exporter->to;
     uint32_t chain = first, last;
+    enum gd_status status;
     exporter->first_arc = exporter->arcs;
     exporter->first_point = exporter->points;
     do {
         export_chain(exporter, &tracer->parts, chain);
+        status = gd__pace_step(&tracer->pace, STEPS_AN_ARC * (tracer->parts.chain[chain].count + 1));
         last = chain;
         chain = next_chain(tracer, chain);
-    } while (chain != GD_NONE && chain != first);
+    } while (chain != GD_NONE && chain != first && !status);
+    if (status) return status;
     if (closed) {
         drop_point(exporter, &to->points[exporter->first_point]);
     } else {
@@ -244,24 +250,28 @@ static void export_line(struct exporter *exporter, const struct tracer *tracer, 
         to->points[exporter->points++] = end;
     }
     end_line(exporter, closed);
+    return GD_OK;
 }
 
-static enum gd_status export_lines(const struct tracer *tracer, double level, struct gd_isoline *out)
+static enum gd_status export_lines(struct tracer *tracer, double level, struct gd_isoline *out)
 {
     struct gd_isoline isoline = {.level = level};
     size_t pieces = tracer->parts.piece_count, lines = tracer->line_count;
-    isoline.lines = malloc(sizeof *isoline.lines * (lines + 1));
-    isoline.arcs = malloc(sizeof *isoline.arcs * (pieces + 1));
-    isoline.points = malloc(sizeof *isoline.points * (pieces + lines + 1));
-    if (!isoline.lines || !isoline.arcs || !isoline.points) {
-        gd_isoline_free(&isoline);
-        return GD_NO_MEMORY;
-    }
+    size_t of_lines = sizeof *isoline.lines * (lines + 1), of_arcs = sizeof *isoline.arcs * (pieces + 1),
+           of_points = sizeof *isoline.points * (pieces + lines + 1);
+    isoline.lines = malloc(of_lines);
+    isoline.arcs = malloc(of_arcs);
+    isoline.points = malloc(of_points);
+    isoline.bytes = of_lines + of_arcs + of_points;
     struct exporter exporter = {.mesh = tracer->mesh, .to = &isoline};
-    for (uint32_t i = 0; i < tracer->line_count; i++)
-        export_line(&exporter, tracer, tracer->first[i], i >= tracer->open_count);
-    *out = isoline;
-    return GD_OK;
+    enum gd_status status = isoline.lines && isoline.arcs && isoline.points ? GD_OK : GD_NO_MEMORY;
+    for (uint32_t i = 0; i < tracer->line_count && !status; i++)
+        status = export_line(&exporter, tracer, tracer->first[i], i >= tracer->open_count);
+    if (status)
+        gd_isoline_free(&isoline);
+    else
+        *out = isoline;
+    return status;
 }
 
 enum gd_status gd_isoline_trace(const struct gd_field *field, double level, const struct gd_control *control,
@@ -269,10 +279,12 @@ enum gd_status gd_isoline_trace(const struct gd_field *field, double level, cons
 {
     if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
     struct tracer tracer = {
-        .field = field, .mesh = field->mesh, .level = level / field->mesh->unit, .control = control};
+        .field = field, .mesh = field->mesh, .level = level / field->mesh->unit, .pace = {.control = control}};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;
-    enum gd_status status = cross_edges(&tracer);
+    enum gd_status status = gd_control_check(control, 0);
+    if (!status) status = cross_edges(&tracer);
     if (!status) status = cross_faces(&tracer);
+    if (!status) status = gd__pace_check(&tracer.pace);
     if (!status) status = find_lines(&tracer);
     if (!status) status = export_lines(&tracer, level, out);
     close_tracer(&tracer);

@@ -104,7 +104,7 @@ static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossi
     return GD_OK;
 }
 
-enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
+enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level, struct gd__pace *pace,
                                       struct gd__places *places, struct gd__parts *parts)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -114,6 +114,8 @@ enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edg
     for (uint32_t i = 0; i < places->count && !status; i++) {
         double t = places->at[i];
         bool is_last = i + 1 == places->count, then = below;
+        status = gd__pace_step(pace, places->count);
+        if (status) break;
         if (is_last)
             then = field->distance[mesh->origin[2 * edge + 1]] < level;
         else if (places->at[i + 1] - t > narrow)

@@ -3,6 +3,8 @@
 
 /* The isoline inside one face: arcs, put together to chains. */
 
+enum { STEPS_A_SOURCE = 8 /* to find the part of a circle that another one covers */ };
+
 /* An end from which a line goes on in the face (of an arc, or a crossing by which it comes in), or at which it is to arrive (the start of an arc, or
  * a crossing by which it leaves). */
 struct gd__end {
@@ -34,6 +36,7 @@ struct gd__link {
 struct work {
     const struct gd_field *field;
     double level;
+    struct gd__pace *pace;
     struct gd__face_scratch *scratch;
     struct gd__parts *parts;
 };
@@ -119,7 +122,8 @@ static enum gd_status append_arcs(const struct work *work)
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < sources->count && !status; i++) {
         struct gd__arc arc = {.circle = gd__circle_of(sources, i, work->level)};
-        status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
+        status = gd__pace_step(work->pace, STEPS_A_SOURCE * sources->count);
+        if (!status) status = gd__circle_arcs(sources, i, work->level, &scratch->covered, &scratch->spans);
         for (uint32_t k = 0; k < scratch->spans.count && !status; k++) {
             arc.from = scratch->spans.span[k].from;
             arc.to = scratch->spans.span[k].to;
@@ -309,10 +313,10 @@ static enum gd_status append_chains(const struct work *work)
     return status;
 }
 
-enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
+enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level, struct gd__pace *pace,
                                       struct gd__face_scratch *scratch, struct gd__parts *parts)
 {
-    struct work work = {field, level, scratch, parts};
+    struct work work = {field, level, pace, scratch, parts};
     scratch->arc_count = scratch->end_count = 0;
     enum gd_status status = gd__sources_gather(field, face, level, &scratch->sources);
     if (!status) status = append_crossings(&work, face);

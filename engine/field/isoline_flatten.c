@@ -1,11 +1,11 @@
-#include "field/frame.h"
+#include "field/isoline_parts.h"
 #include "gd/isoline.h"
 
 #include <stdlib.h>
 
 /* An isoline's arcs as chords. */
 
-enum { SEGMENTS_MOST = 1024 /* of an arc */ };
+enum { SEGMENTS_MOST = 1024 /* of an arc */, STEPS_A_POINT = 4 };
 
 /* Segments whose arcs rise no higher above their chords than the tolerance: radius (1 - cos(step / 2)) = 2 radius sin^2(step / 4). */
 static uint32_t segments_of(const struct gd_isoline_arc *arc, double tolerance)
@@ -32,22 +32,42 @@ static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *
     path->length += segments * 2 * arc->radius * fabs(sin(0.5 * step));
 }
 
+static enum gd_status append_line(const struct gd_mesh *mesh, const struct gd_isoline_line *line, double tolerance,
+                                  struct gd__pace *pace, struct gd_path *path)
+{
+    enum gd_status status = gd__pace_check(pace);
+    for (uint32_t i = 0; i < line->arc_count && !status; i++) {
+        uint32_t segments = segments_of(&line->arcs[i], tolerance);
+        path->points[path->count++] = line->points[i];
+        append_arc(mesh, &line->arcs[i], segments, path);
+        pace->fraction = (double)i / line->arc_count;
+        status = gd__pace_step(pace, STEPS_A_POINT * segments);
+    }
+    path->points[path->count++] = line->points[line->closed ? 0 : line->arc_count];
+    return status;
+}
+
+uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance)
+{
+    uint64_t count = 1;
+    for (uint32_t i = 0; i < line->arc_count; i++) count += segments_of(&line->arcs[i], tolerance);
+    return count;
+}
+
 enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_isoline_line *line, double tolerance,
-                                  struct gd_path *out)
+                                  const struct gd_control *control, struct gd_path *out)
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
-    size_t count = 1;
-    for (uint32_t i = 0; i < line->arc_count; i++) count += segments_of(&line->arcs[i], tolerance);
-    struct gd_path path = {.points = malloc(sizeof *path.points * count)};
-    if (!path.points || count > UINT32_MAX) {
+    uint64_t count = gd_isoline_flat_points(line, tolerance);
+    struct gd_path path = {0};
+    struct gd__pace pace = {.control = control, .held = count * sizeof *path.points};
+    if (count > UINT32_MAX) return GD_NO_MEMORY;
+    path.points = malloc(pace.held);
+    if (!path.points) return GD_NO_MEMORY;
+    enum gd_status status = append_line(mesh, line, tolerance, &pace, &path);
+    if (status)
         gd_path_free(&path);
-        return GD_NO_MEMORY;
-    }
-    for (uint32_t i = 0; i < line->arc_count; i++) {
-        path.points[path.count++] = line->points[i];
-        append_arc(mesh, &line->arcs[i], segments_of(&line->arcs[i], tolerance), &path);
-    }
-    path.points[path.count++] = line->points[line->closed ? 0 : line->arc_count];
-    *out = path;
-    return GD_OK;
+    else
+        *out = path;
+    return status;
 }

@@ -12,6 +12,30 @@
 
 #include "field/circle.h"
 
+/* The caller's control, asked whenever the steps since then, of some ten nanoseconds each, make a good part of a millisecond. */
+struct gd__pace {
+    const struct gd_control *control;
+    double fraction; /* of the call that is done */
+    size_t held;     /* bytes */
+    uint32_t steps;
+};
+
+enum { GD__PACE = 1 << 14 };
+
+/* GD_BUDGET, GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE static inline enum gd_status gd__pace_check(const struct gd__pace *pace)
+{
+    enum gd_status status = gd_control_afford(pace->control, pace->held);
+    return status ? status : gd_control_check(pace->control, pace->fraction);
+}
+
+GD_MUST_USE static inline enum gd_status gd__pace_step(struct gd__pace *pace, uint32_t steps)
+{
+    uint32_t left = GD__PACE - pace->steps;
+    pace->steps = steps < left ? pace->steps + steps : 0;
+    return steps < left ? GD_OK : gd__pace_check(pace);
+}
+
 /* Where the distance along an edge passes the level, in order of the edge; t: from the origin of side 0, in [0, length]. */
 struct gd__crossing {
     uint32_t edge;
@@ -62,13 +86,15 @@ struct gd__face_scratch {
 
 void gd__face_scratch_destroy(struct gd__face_scratch *scratch);
 
-/* isoline_edge.c: appends an edge's crossings. GD_NO_MEMORY. */
+/* isoline_edge.c: appends an edge's crossings. GD_NO_MEMORY, and what the pace says. */
 GD_MUST_USE enum gd_status gd__isoline_cross_edge(const struct gd_field *field, uint32_t edge, double level,
-                                                  struct gd__places *places, struct gd__parts *parts);
+                                                  struct gd__pace *pace, struct gd__places *places,
+                                                  struct gd__parts *parts);
 
-/* isoline_face.c: appends the chains of a face, the crossings of whose edges are there. GD_NO_MEMORY. */
+/* isoline_face.c: appends the chains of a face, the crossings of whose edges are there. GD_NO_MEMORY, and what the pace says. */
 GD_MUST_USE enum gd_status gd__isoline_cross_face(const struct gd_field *field, uint32_t face, double level,
-                                                  struct gd__face_scratch *scratch, struct gd__parts *parts);
+                                                  struct gd__pace *pace, struct gd__face_scratch *scratch,
+                                                  struct gd__parts *parts);
 
 static inline struct gd_point gd__crossing_point(const struct gd_mesh *mesh, const struct gd__crossing *crossing)
 {

@@ -7,6 +7,7 @@
 #include <stdatomic.h>
 
 #include "gd/field.h"
+#include "mesh/local.h"
 #include "wedge/wavefront.h"
 
 /* A seed that is not at a vertex, by a face that contains it. */
@@ -56,9 +57,6 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 /* field.c: fills face_seeds from the seeds. GD_NO_MEMORY. */
 enum gd_status gd__field_index_seeds(struct gd_field *field);
 
-/* image.c: tells meshes apart whose elements are numbered or placed differently. */
-uint64_t gd__mesh_fingerprint(const struct gd_mesh *mesh);
-
 /* field.c: what the arrays take. */
 size_t gd__field_bytes(const struct gd_field *field);
 
@@ -97,13 +95,13 @@ struct gd__way {
  * copied at once: that would wait for the stores. */
 void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out);
 
+/* nearest.c: the pseudo-source in which the last leg of the way to a vertex begins, which a path reaches. */
+uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
+
 /* The leg by which the best way ends. */
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
 /* A point in the frame of side k of a face, from its barycentric coordinates by corner. */
-struct gd__local {
-    double x, y;
-};
 struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3]);
 
 /* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it. */

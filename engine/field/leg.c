@@ -27,15 +27,9 @@ void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point,
     }
 }
 
-static inline struct gd__local local_of_side(const struct gd_side *s, double destination, double apex)
-{
-    return (struct gd__local){destination * s->length + apex * s->left_length * s->left_x,
-                              apex * s->left_length * s->left_y};
-}
-
 struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3])
 {
-    return local_of_side(&mesh->side[side], weight[1], weight[2]);
+    return gd__side_local(&mesh->side[side], weight[1], weight[2]);
 }
 
 /* --- sights -------------------------------------------------------------------------------------------------------------- */
@@ -62,7 +56,7 @@ static inline void look_around(const struct gd_field *field, uint32_t face, cons
     for (int k = 0; k < 3; k++) {
         view->newest[k] = field->newest[view->side[k] >> 1];
         if (view->newest[k] != GD_NONE) __builtin_prefetch(gd__field_chunk(field, view->newest[k]));
-        view->at[k] = local_of_side(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
+        view->at[k] = gd__side_local(&mesh->side[view->side[k]], weight[(k + 1) % 3], weight[(k + 2) % 3]);
     }
 }
 

@@ -53,6 +53,7 @@ static struct gd__source source_of_window(const struct gd__frame *frame, int k, 
         .right = normal(frame, k, -w->y, w->b1 - w->x),
         .nearest = gd__window_nearest(w),
         .farthest = fmax(gd__window_distance(w, w->b0), gd__window_distance(w, w->b1)),
+        .pseudo = w->source,
     };
 }
 
@@ -86,7 +87,8 @@ static enum gd_status append_seeds(const struct gd_field *field, double most, st
         struct gd__source source = {.at = gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight),
                                     .sigma = seed->offset,
                                     .nearest = seed->offset,
-                                    .farthest = seed->offset};
+                                    .farthest = seed->offset,
+                                    .pseudo = field->mesh->vertex_count + f->seed};
         if (source.nearest < most) status = append(out, &source);
     }
     return status;
@@ -96,9 +98,13 @@ static enum gd_status append_corners(const struct gd_field *field, double most, 
 {
     enum gd_status status = GD_OK;
     for (int k = 0; k < 3 && !status; k++) {
-        double distance = field->distance[field->mesh->origin[field->mesh->face_side[out->face][k]]];
-        struct gd__source source = {
-            .at = out->frame.corner[k], .sigma = distance, .nearest = distance, .farthest = distance};
+        uint32_t vertex = field->mesh->origin[field->mesh->face_side[out->face][k]];
+        double distance = field->distance[vertex];
+        struct gd__source source = {.at = out->frame.corner[k],
+                                    .sigma = distance,
+                                    .nearest = distance,
+                                    .farthest = distance,
+                                    .pseudo = vertex};
         if (source.nearest < most) status = append(out, &source);
     }
     return status;

@@ -14,6 +14,7 @@ struct gd__source {
     bool has_sector;
     struct gd__local left, right; /* unit normals into the sector, of the lines that bound it, which pass the source */
     double nearest, farthest;     /* distances that it enters the face with: least, and greatest */
+    uint32_t pseudo;              /* the pseudo-source: a vertex, or vertex_count + number of the seed */
 };
 
 /* All zero is empty; reused from face to face. */

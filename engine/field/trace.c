@@ -230,6 +230,10 @@ static struct stop go_along_edge(struct trace *trace, uint32_t vertex, uint32_t 
         append(trace, vertex_point(source), mesh->side[gd__side_between(mesh, vertex, source)].length);
         return (struct stop){.kind = STOP_VERTEX, .vertex = source};
     }
+    if (source == GD_NONE) { /* the path leads to a vertex that was not reached */
+        trace->status = GD_INTERNAL;
+        return (struct stop){.kind = STOP_SEED};
+    }
     const struct gd_point *seed = &trace->field->seeds[source - mesh->vertex_count].point;
     if (seed->kind == GD_POINT_EDGE) {
         uint32_t side = 2 * seed->element;

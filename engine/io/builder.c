@@ -9,6 +9,9 @@
 
 #define SMALLEST_CAPACITY 64
 
+/* Bytes of input from one look at the control to the next: text is read at a hundred of them a microsecond or more. */
+#define LOOK_BYTES 65536
+
 /* Doubles are all whole from here on, and still fit an integer. */
 #define LARGEST_WHOLE 0x1p53
 
@@ -23,7 +26,9 @@ struct gd__builder gd__builder_begin(const struct gd__scan *scan, const struct g
     return (struct gd__builder){
         .scan = scan,
         .limits = {.max_faces = effective_limit(wanted.max_faces),
-                   .max_vertices = effective_limit(wanted.max_vertices)},
+                   .max_vertices = effective_limit(wanted.max_vertices),
+                   .control = wanted.control},
+        .next_look = scan->at,
     };
 }
 
@@ -80,6 +85,19 @@ static bool resize_first(struct gd__builder *builder, size_t capacity)
     return true;
 }
 
+static enum gd_status look(struct gd__builder *builder)
+{
+    const struct gd__scan *scan = builder->scan;
+    size_t left = gd__scan_left(scan), size = (size_t)(scan->end - scan->begin);
+    builder->next_look = scan->at + (left < LOOK_BYTES ? left : LOOK_BYTES);
+    return gd_control_check(builder->limits.control, (double)(size - left) / (double)size);
+}
+
+enum gd_status gd__builder_look(struct gd__builder *builder)
+{
+    return builder->scan->at < builder->next_look ? GD_OK : look(builder);
+}
+
 static enum gd_status too_many_vertices(const struct gd__builder *builder, const char *at)
 {
     return gd__scan_fail(builder->scan, at, GD_TOO_LARGE, "more than %u vertices, the configured maximum",
@@ -115,7 +133,7 @@ enum gd_status gd__builder_add_position(struct gd__builder *builder, const doubl
     }
     double *position = builder->positions[builder->position_count++];
     for (int axis = 0; axis < 3; axis++) position[axis] = xyz[axis];
-    return GD_OK;
+    return gd__builder_look(builder);
 }
 
 enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex, const char *at)
@@ -129,7 +147,7 @@ enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vert
         builder->last_vertex_at = at;
     }
     builder->corners[builder->corner_count++] = vertex < GD_NONE ? (uint32_t)vertex : GD_NONE;
-    return GD_OK;
+    return gd__builder_look(builder);
 }
 
 enum gd_status gd__builder_add_index(struct gd__builder *builder, double index, const char *at)

@@ -13,6 +13,7 @@ struct gd__builder {
     const struct gd__scan *scan;  /* borrowed: errors name its places */
     struct gd_read_limits limits; /* neither is 0 */
     uint32_t index_base;          /* how the format numbers its first vertex: 0 or 1; for error texts only */
+    const char *next_look;        /* at the control, once the scan is there */
 
     double (*positions)[3];
     size_t position_count, position_capacity;
@@ -38,10 +39,14 @@ void gd__builder_free(struct gd__builder *builder);
 /* Room for so many vertices and triangles: call it with counts that the input's length was checked to hold. GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_reserve(struct gd__builder *builder, uint64_t positions, uint64_t polygons);
 
-/* Each names `at` in its errors. GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
+/* Looks at the control if it is time to; to be called for whatever is read and not added. GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__builder_look(struct gd__builder *builder);
+
+/* Each names `at` in its errors, and looks at the control. GD_NON_FINITE, GD_TOO_LARGE, GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd__builder_add_position(struct gd__builder *builder, const double xyz[3], const char *at);
 
-/* Adds a corner to the open polygon, zero-based; whether the vertex exists is asked by gd__builder_finish. GD_NO_MEMORY. */
+/* Adds a corner to the open polygon, zero-based; whether the vertex exists is asked by gd__builder_finish. GD_NO_MEMORY.
+ * Looks at the control. */
 GD_MUST_USE enum gd_status gd__builder_add_corner(struct gd__builder *builder, uint64_t vertex, const char *at);
 
 /* The same for a number of a format that doesn't tell integers from others. GD_SYNTAX (not whole), GD_INDEX (negative), GD_NO_MEMORY. */

@@ -76,6 +76,8 @@ enum gd_status gd__obj_read(struct gd__scan *scan, struct gd__builder *builder)
             status = read_vertex(scan, builder);
         else if (gd__word_is(keyword, "f"))
             status = read_face(scan, builder);
+        else
+            status = gd__builder_look(builder);
     }
     return status;
 }

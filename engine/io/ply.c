@@ -65,10 +65,12 @@ static enum gd_status skip_values(struct ply *ply, enum gd__ply_type type, uint6
         scan->at += count * size;
         return GD_OK;
     }
-    for (; count > 0; count--) {
+    enum gd_status status = GD_OK;
+    for (; count > 0 && status == GD_OK; count--) {
         if (gd__scan_word(scan).length == 0) return gd__scan_unexpected(scan, "a value");
+        status = gd__builder_look(ply->builder);
     }
-    return GD_OK;
+    return status;
 }
 
 static enum gd_status read_list_length(struct ply *ply, enum gd__ply_type type, uint64_t *out)
@@ -130,7 +132,7 @@ static enum gd_status read_record(struct ply *ply, const struct gd__ply_element 
     const char *place = ply->scan->at;
     const struct gd__ply_property *properties = &ply->header.properties[element->first_property];
     double xyz[3] = {0};
-    enum gd_status status = GD_OK;
+    enum gd_status status = gd__builder_look(ply->builder);
     for (uint32_t i = 0; i < element->property_count && status == GD_OK; i++) {
         status = read_property(ply, &properties[i], place, xyz);
     }

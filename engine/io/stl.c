@@ -155,6 +155,7 @@ static enum gd_status read_text(struct stl *stl)
     for (gd__scan_skip_space(scan); status == GD_OK && scan->at < scan->end; gd__scan_skip_space(scan)) {
         status = expect_word(scan, "solid");
         if (status == GD_OK) status = read_text_solid(stl);
+        if (status == GD_OK) status = gd__builder_look(stl->builder);
     }
     return status;
 }

@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/share.h"
 #include "field/layout.h"
+#include "mesh/stamp.h"
 
 struct gd_landmarks {
     atomic_uint references;
@@ -98,27 +100,6 @@ static enum gd_status measure(struct column *column, uint32_t vertex, const stru
     return gd__wavefront_run(column->landmarks->mesh, &propagation, &sink, control, NULL);
 }
 
-/* The caller's control for one of several propagations: what the landmarks hold is off the budget, and progress goes on where the last one ended. */
-struct leg_of_work {
-    const struct gd_control *control;
-    uint32_t done, total;
-};
-
-static bool report(void *user, double fraction)
-{
-    const struct leg_of_work *leg = user;
-    return leg->control->progress(leg->control->user, (leg->done + fraction) / leg->total);
-}
-
-static struct gd_control share_of(const struct gd_control *control, struct leg_of_work *leg, size_t held)
-{
-    struct gd_control own = control ? *control : (struct gd_control){0};
-    if (own.budget_bytes) own.budget_bytes -= held;
-    own.progress = own.progress ? report : NULL;
-    own.user = leg;
-    return own;
-}
-
 /* Other components first: they are as far as can be. */
 static uint32_t farthest(const double *nearest, uint32_t count)
 {
@@ -131,8 +112,8 @@ static uint32_t farthest(const double *nearest, uint32_t count)
 static enum gd_status measure_all(struct column *column, const struct gd_control *control, size_t held)
 {
     uint32_t vertices = column->landmarks->mesh->vertex_count;
-    struct leg_of_work leg = {.control = control, .total = column->landmarks->count + 1};
-    struct gd_control own = share_of(control, &leg, held);
+    struct gd__share share = {.control = control, .total = column->landmarks->count + 1};
+    struct gd_control own = gd__share_control(&share, held);
     for (size_t i = 0; i < (size_t)GD__LANDMARKS_MOST * vertices; i++) column->landmarks->distance[i] = 0;
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
     enum gd_status status =
@@ -143,7 +124,7 @@ static enum gd_status measure_all(struct column *column, const struct gd_control
     for (uint32_t v = 0; v < vertices; v++) column->nearest[v] = GD__FAR;
     for (uint32_t i = 0; i < column->landmarks->count && !status; i++) {
         column->index = i;
-        leg.done = i + 1;
+        share.done = i + 1;
         status = measure(column, i ? farthest(column->nearest, vertices) : first, &own);
     }
     return status;
@@ -154,7 +135,7 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, co
 {
     if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
     size_t held = bytes_of(mesh) + sizeof(double) * mesh->vertex_count;
-    enum gd_status status = gd_control_afford(control, held + 1); /* a budget of nothing would be none */
+    enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
     struct column column = {.landmarks = create(mesh, count),
                             .nearest = malloc(sizeof *column.nearest * mesh->vertex_count)};
@@ -169,24 +150,13 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, co
 
 /* --- bytes --------------------------------------------------------------------------------------------------------------- */
 
-struct header {
-    char magic[8];
-    uint32_t version, byte_order, count, vertices;
-    uint64_t fingerprint; /* of the mesh */
-};
-
 static const char magic[8] = "GDLANDM";
+static const uint32_t version = 2;
 
-static struct header header_of(const struct gd_mesh *mesh, uint32_t count)
-{
-    struct header header = {.version = 1,
-                            .byte_order = 0x01020304,
-                            .count = count,
-                            .vertices = mesh->vertex_count,
-                            .fingerprint = gd__mesh_fingerprint(mesh)};
-    memcpy(header.magic, magic, sizeof magic);
-    return header;
-}
+struct header {
+    struct gd__stamp stamp;
+    uint32_t count, reserved; /* reserved: 0 */
+};
 
 size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
 {
@@ -195,19 +165,16 @@ size_t gd_landmarks_image_size(const struct gd_landmarks *landmarks)
 
 void gd_landmarks_write_image(const struct gd_landmarks *landmarks, void *bytes)
 {
-    struct header header = header_of(landmarks->mesh, landmarks->count);
+    struct header header = {.stamp = gd__stamp(landmarks->mesh, magic, version), .count = landmarks->count};
     memcpy(bytes, &header, sizeof header);
     memcpy((char *)bytes + sizeof header, landmarks->distance, distance_bytes(landmarks->mesh));
 }
 
 static enum gd_status check_header(const struct gd_mesh *mesh, const struct header *header, size_t size)
 {
-    struct header expected = header_of(mesh, header->count);
-    if (memcmp(header->magic, magic, sizeof magic) != 0 || header->version != expected.version ||
-        header->byte_order != expected.byte_order || header->count == 0 || header->count > GD__LANDMARKS_MOST)
-        return GD_UNRECOGNIZED;
-    if (header->vertices != expected.vertices || header->fingerprint != expected.fingerprint)
-        return GD_INVALID_ARGUMENT;
+    enum gd_status status = gd__stamp_check(mesh, &header->stamp, magic, version, NULL);
+    if (status) return status;
+    if (header->count == 0 || header->count > GD__LANDMARKS_MOST) return GD_UNRECOGNIZED;
     return size == sizeof *header + distance_bytes(mesh) ? GD_OK : GD_TRUNCATED;
 }
 
@@ -222,7 +189,7 @@ enum gd_status gd_landmarks_open_image(const struct gd_mesh *mesh, const void *b
     struct gd_landmarks *landmarks = create(mesh, header.count);
     if (!landmarks) return GD_NO_MEMORY;
     memcpy(landmarks->distance, (const char *)bytes + sizeof header, size - sizeof header);
-    for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)header.vertices && !status; i++)
+    for (size_t i = 0; i < GD__LANDMARKS_MOST * (size_t)mesh->vertex_count && !status; i++)
         if (!(landmarks->distance[i] >= 0 && isfinite(landmarks->distance[i]))) status = GD_NON_FINITE;
     if (status)
         gd_landmarks_release(landmarks);

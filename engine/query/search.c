@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/share.h"
 #include "field/layout.h"
 #include "query/landmarks.h"
 
@@ -56,16 +57,19 @@ static enum gd_status run(struct search *search, struct gd__guide *guide, double
     return gd__wavefront_run(search->mesh, &propagation, &sink, control, NULL);
 }
 
-/* In the corridor, then everywhere. */
+/* In the corridor, then everywhere: most of the time goes to the second run. */
 static enum gd_status run_both(struct search *search, struct gd__guide *guide, double upper, struct gd_pair_answer *out,
                                const struct gd_control *control)
 {
+    struct gd__share share = {.control = control, .total = 2};
     enum gd_status status = gd__guide_mark_corridor(guide, &search->seed.point);
+    struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
     guide->in_corridor_only = true;
-    if (!status) status = run(search, guide, upper, NULL, control);
+    if (!status) status = run(search, guide, upper, NULL, &own);
     guide->in_corridor_only = false;
+    share.done = 1;
     upper = fmin(upper, search->distance * (1 + GD_TOL_BOUND));
-    if (!status) status = run(search, guide, upper, out, control);
+    if (!status) status = run(search, guide, upper, out, &own);
     if (!status && !(search->distance <= upper * (1 + GD_TOL_CHECK))) status = GD_INTERNAL; /* lost on the way */
     if (!status) out->distance = search->distance * search->mesh->unit;
     return status;
@@ -77,11 +81,8 @@ static enum gd_status search_in(struct gd_workspace *work, struct search *search
     struct gd__guide *guide = &work->guide;
     double upper;
     gd__landmarks_offer(landmarks, search->mesh, guide);
-    enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, search->target, &upper);
-    if (!status && upper >= GD__FAR)
-        out->distance = INFINITY;
-    else if (!status)
-        status = run_both(search, guide, upper, out, control);
+    enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, search->target, control, &upper);
+    if (!status) status = run_both(search, guide, upper, out, control);
     gd__guide_clean(guide);
     return status;
 }
@@ -90,6 +91,10 @@ enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *fro
                           bool want_path, const struct gd_landmarks *landmarks, const struct gd_control *control,
                           struct gd_pair_answer *out)
 {
+    if (gd_point_component(mesh, from) != gd_point_component(mesh, to)) {
+        out->distance = INFINITY;
+        return GD_OK;
+    }
     struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .want_path = want_path};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();

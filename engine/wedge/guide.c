@@ -5,11 +5,14 @@
 
 #include "base/large.h"
 #include "base/tolerance.h"
+#include "mesh/local.h"
 #include "wedge/workspace.h"
 
 /* A path that is a little too long will do: with the straight line to the start weighed heavier, A* finds it at a fraction of the cost. What landmarks
  * say of the rest of the way is close enough as it is. */
 #define GREED 1.1
+
+#define CHECK_INTERVAL 1024 /* entries of fans between two looks at the control: well under a millisecond */
 
 /* --- anchors ------------------------------------------------------------------------------------------------------------- */
 
@@ -28,11 +31,10 @@ static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[point->element][k];
         const struct gd_side *s = &mesh->side[side];
-        double apex_weight = point->weight[(k + 2) % 3], px = s->left_length * s->left_x,
-               py = s->left_length * s->left_y;
-        double x = point->weight[(k + 1) % 3] * s->length + apex_weight * px, y = apex_weight * py;
+        struct gd__local at = gd__side_local(s, point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
+        double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
         anchor->corner[k] = gd__side_apex(mesh, side);
-        anchor->leg[k] = sqrt((x - px) * (x - px) + (y - py) * (y - py));
+        anchor->leg[k] = sqrt(dx * dx + dy * dy);
     }
 }
 
@@ -80,11 +82,20 @@ struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *
 
 /* --- nodes --------------------------------------------------------------------------------------------------------------- */
 
-/* Doubles an array that is full. */
-static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity, size_t size)
+size_t gd__guide_held(const struct gd__guide *guide)
+{
+    return (size_t)guide->mesh->vertex_count * sizeof *guide->node + guide->touched_capacity * sizeof *guide->touched +
+           guide->heap_capacity * sizeof *guide->heap;
+}
+
+/* Doubles an array of the guide that is full. */
+static enum gd_status make_room(const struct gd__guide *guide, void **array, uint32_t count, uint32_t *capacity,
+                                size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t larger = *capacity ? 2 * *capacity : 1024;
+    enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
+    if (status) return status;
     void *grown = realloc(*array, larger * size);
     if (!grown) return GD_NO_MEMORY;
     *array = grown;
@@ -95,8 +106,8 @@ static enum gd_status make_room(void **array, uint32_t count, uint32_t *capacity
 static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
 {
     if (guide->node[vertex].touched) return GD_OK;
-    enum gd_status status =
-        make_room((void **)&guide->touched, guide->touched_count, &guide->touched_capacity, sizeof *guide->touched);
+    enum gd_status status = make_room(guide, (void **)&guide->touched, guide->touched_count, &guide->touched_capacity,
+                                      sizeof *guide->touched);
     if (status) return status;
     guide->touched[guide->touched_count++] = vertex;
     guide->node[vertex].touched = true;
@@ -111,7 +122,8 @@ static double straight(const struct gd_vec3 *a, const struct gd_vec3 *b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Lower bound of the way from a vertex to the point that the bounds are of. Branchless over a fixed number of landmarks, so that compilers use vectors. */
+/* Lower bound of the way from a vertex to the point that the bounds are of. The slack is for what the vertex' own distance was rounded by; the two
+ * subtractions round what they leave, and only the end makes up for that. Branchless over a fixed number of landmarks, so that compilers use vectors. */
 static double by_landmarks(const struct gd__guide *guide, const struct gd__guide_sight *sight, uint32_t vertex)
 {
     const float *distance = guide->landmark + (size_t)GD__LANDMARKS_MOST * vertex;
@@ -123,7 +135,7 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
     }
     for (int half = GD__LANDMARKS_MOST / 2; half > 0; half /= 2)
         for (int i = 0; i < half; i++) bound[i] = bound[i] > bound[i + half] ? bound[i] : bound[i + half];
-    return bound[0];
+    return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
 }
 
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
@@ -132,7 +144,7 @@ double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
         straight(&guide->mesh->position[vertex], &guide->target.position) * (1 - GD_TOL_BOUND) - guide->margin;
     if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
     if (lower < 0) lower = 0;
-    if (touch(guide, vertex)) return lower; /* without memory it is measured again */
+    if (touch(guide, vertex)) return lower; /* without room it is measured again */
     return guide->node[vertex].lower = lower;
 }
 
@@ -182,7 +194,7 @@ static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, uint32_t p
     if (upper >= node->upper) return GD_OK;
     enum gd_status status = touch(guide, vertex);
     if (!status)
-        status = make_room((void **)&guide->heap, guide->heap_count, &guide->heap_capacity, sizeof *guide->heap);
+        status = make_room(guide, (void **)&guide->heap, guide->heap_count, &guide->heap_capacity, sizeof *guide->heap);
     if (status) return status;
     node->upper = upper;
     node->parent = parent;
@@ -210,6 +222,12 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, con
                  from);
 }
 
+/* A step of the search: now and then looks at the control. */
+static enum gd_status step(struct gd__guide *guide)
+{
+    return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
+}
+
 static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const struct gd_vec3 *from)
 {
     const struct gd_mesh *mesh = guide->mesh;
@@ -218,7 +236,8 @@ static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const str
     guide->node[vertex].closed = true;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        status = relax(guide, mesh->fan[i].tip, vertex, upper + s->length, from);
+        status = step(guide);
+        if (!status) status = relax(guide, mesh->fan[i].tip, vertex, upper + s->length, from);
         if (!status && gd__side_is_boundary(mesh, s->left))
             status = relax(guide, gd__side_destination(mesh, s->left), vertex, upper + s->left_length, from);
         if (!status) status = relax_across(guide, vertex, s, from);
@@ -262,7 +281,8 @@ static void clean_node(struct gd__guide_node *node)
 
 static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *mesh)
 {
-    if (mesh->vertex_count <= guide->capacity) return GD_OK;
+    enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide));
+    if (status || mesh->vertex_count <= guide->capacity) return status;
     free(guide->node);
     guide->capacity = 0;
     guide->node = gd__large_array(mesh->vertex_count, sizeof *guide->node);
@@ -278,31 +298,38 @@ static double largest_coordinate(struct gd_vec3 v)
 }
 
 enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh, const struct gd_point *from,
-                             const struct gd_point *to, double *upper)
+                             const struct gd_point *to, const struct gd_control *control, double *upper)
 {
     struct gd__anchor start = gd__anchor(mesh, from);
+    guide->mesh = mesh;
+    guide->control = control;
+    guide->steps = 0;
     enum gd_status status = open_nodes(guide, mesh);
     if (status) return status;
-    guide->mesh = mesh;
     guide->target = gd__anchor(mesh, to);
     guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position), largest_coordinate(start.position));
     guide->in_corridor_only = false;
     read_landmarks(guide, &guide->target, &guide->from_target);
     read_landmarks(guide, &start, &guide->from_start);
     status = search(guide, &start, upper);
-    if (!status && *upper < GD__FAR) *upper *= 1 + GD_TOL_BOUND;
+    if (!status) *upper *= 1 + GD_TOL_BOUND;
     return status;
 }
 
+/* A vertex whose rings are in the corridor already, as many or more, is not walked round again: that would cost a path along a hub the hub's
+ * whole fan at each of its vertices. */
 static enum gd_status mark(struct gd__guide *guide, uint32_t vertex, int rings)
 {
     const struct gd_mesh *mesh = guide->mesh;
     struct gd__guide_node *node = &guide->node[vertex];
+    if (node->corridor > rings) return GD_OK;
     enum gd_status status = touch(guide, vertex);
-    node->in_corridor = true;
+    if (status) return status;
+    node->corridor = (uint8_t)(rings + 1);
     for (uint32_t i = mesh->fan_first[vertex]; rings > 0 && i < mesh->fan_first[vertex + 1] && !status; i++) {
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        status = mark(guide, mesh->fan[i].tip, rings - 1);
+        status = step(guide);
+        if (!status) status = mark(guide, mesh->fan[i].tip, rings - 1);
         if (!status && gd__side_is_boundary(mesh, s->left))
             status = mark(guide, gd__side_destination(mesh, s->left), rings - 1);
     }
@@ -333,6 +360,7 @@ void gd__guide_clean(struct gd__guide *guide)
     guide->touched_count = 0;
     guide->heap_count = 0;
     guide->landmark = NULL;
+    guide->control = NULL;
 }
 
 void gd__guide_destroy(struct gd__guide *guide)

@@ -8,6 +8,7 @@
 
 #include "mesh/topology.h"
 
+#define GD__FAR            1e300 /* not reached yet; inside lengths stay far below */
 #define GD__LANDMARKS_MOST 16
 
 /* Where a point lies: vertices of the faces that contain it and the straight ways to them. */
@@ -19,10 +20,11 @@ struct gd__anchor {
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
 
 struct gd__guide_node {
-    double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
-    double lower;    /* the lower bound, without regard to the corridor; < 0: not asked yet */
-    uint32_t parent; /* the next vertex of that path; GD_NONE: the target is straight ahead */
-    bool in_corridor, closed, touched;
+    double upper;     /* length of a path from this vertex to the target; GD__FAR: none is known */
+    double lower;     /* the lower bound, without regard to the corridor; < 0: not asked yet */
+    uint32_t parent;  /* the next vertex of that path; GD_NONE: the target is straight ahead */
+    uint8_t corridor; /* 0: outside of it; n + 1: n rings of edges round the vertex are in it too */
+    bool closed, touched;
 };
 
 /* Bounds of a point's distance from each landmark. */
@@ -37,6 +39,8 @@ struct gd__guide_entry {
 
 struct gd__guide {
     const struct gd_mesh *mesh;
+    const struct gd_control *control; /* of the search; may be NULL */
+    uint32_t steps;                   /* since the search began: when to look at it */
     struct gd__anchor target;
     double margin; /* of distances in space, for rounding */
     bool in_corridor_only;
@@ -51,11 +55,17 @@ struct gd__guide {
 };
 
 /* Aims at `to`, all zero or used before, and finds paths to it from what lies between it and `from`. *upper: the length of a path between them,
- * rounded up; GD__FAR: there is none. GD_NO_MEMORY. Cost: what A* visits, some percent of the way's surroundings. */
+ * rounded up. Both lie on one component. `control` is borrowed until the guide is cleaned. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost:
+ * what A* visits, some percent of the way's surroundings. */
 GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh,
-                                         const struct gd_point *from, const struct gd_point *to, double *upper);
+                                         const struct gd_point *from, const struct gd_point *to,
+                                         const struct gd_control *control, double *upper);
 
-/* Marks the surroundings of the path from `from` that gd__guide_aim found, two edges wide. GD_NO_MEMORY. */
+/* Bytes that it holds for the mesh that it aims on. */
+size_t gd__guide_held(const struct gd__guide *guide);
+
+/* Marks the surroundings of the path from `from` that gd__guide_aim found, two edges wide. Errors: those of gd__guide_aim. Cost: the fans of the
+ * path's vertices and of their neighbours, once or twice each. */
 GD_MUST_USE enum gd_status gd__guide_mark_corridor(struct gd__guide *guide, const struct gd_point *from);
 
 /* Lower bound of the distance from a vertex to the target; GD__FAR outside of the corridor while the search keeps to it. */
@@ -63,11 +73,11 @@ double gd__guide_measure(struct gd__guide *guide, uint32_t vertex); /* the first
 static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd__guide_node *node = &guide->node[vertex];
-    if (guide->in_corridor_only && !node->in_corridor) return 1e300;
+    if (guide->in_corridor_only && !node->corridor) return GD__FAR;
     return node->lower >= 0 ? node->lower : gd__guide_measure(guide, vertex);
 }
 
-/* Forgets the target. */
+/* Forgets the target, the landmarks and the control. */
 void gd__guide_clean(struct gd__guide *guide);
 void gd__guide_destroy(struct gd__guide *guide);
 

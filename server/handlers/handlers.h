@@ -30,4 +30,37 @@ void server_handle_path(struct server_exchange *exchange);
 /* nearest.c */
 void server_handle_nearest(struct server_exchange *exchange);
 
+/* matrix.c */
+void server_handle_matrix(struct server_exchange *exchange);
+
+/* batch.c */
+void server_handle_batch(struct server_exchange *exchange);
+
+/* sets.c */
+void server_handle_distance_to_set(struct server_exchange *exchange);
+
+/* fields.c */
+void server_handle_create_field(struct server_exchange *exchange);
+void server_handle_list_fields(struct server_exchange *exchange);
+void server_handle_get_field(struct server_exchange *exchange);
+void server_handle_delete_field(struct server_exchange *exchange);
+
+/* field_values.c */
+void server_handle_get_field_values(struct server_exchange *exchange);
+void server_handle_evaluate_field(struct server_exchange *exchange);
+void server_handle_get_field_wedges(struct server_exchange *exchange);
+
+/* isolines.c */
+void server_handle_isolines(struct server_exchange *exchange);
+
+/* jobs.c */
+void server_handle_list_jobs(struct server_exchange *exchange);
+void server_handle_get_job(struct server_exchange *exchange);
+void server_handle_delete_job(struct server_exchange *exchange);
+void server_handle_get_job_result(struct server_exchange *exchange);
+void server_handle_get_job_events(struct server_exchange *exchange);
+
+/* jobs.c: any operation that takes Prefer: respond-async, asked for with it. Called like the others. */
+void server_handle_async(struct server_exchange *exchange);
+
 #endif

@@ -52,10 +52,10 @@ void server_handle_get_mesh(struct server_exchange *exchange)
     server_listed_release(&listed);
 }
 
-/* By a worker: it waits for the disk. */
+/* By the registry's writer. */
 static bool remove_mesh(struct server_exchange *exchange)
 {
-    const struct server_precondition precondition = server_request_precondition(exchange);
+    const struct server_precondition precondition = server_precondition_read(exchange);
     char name[PROTO_MESH_NAME + 1];
     if (!server_request_name(exchange, name)) return true;
     enum server_store_outcome outcome = server_registry_remove(exchange->server->registry, name, &precondition);
@@ -66,12 +66,18 @@ static bool remove_mesh(struct server_exchange *exchange)
     return true;
 }
 
+static bool leave_to_writer(struct server_exchange *exchange)
+{
+    server_registry_submit(exchange->server->registry, &exchange->job);
+    return true;
+}
+
 void server_handle_delete_mesh(struct server_exchange *exchange)
 {
     struct server_listed listed;
     if (!server_request_is_plain(exchange) || !server_request_record(exchange, &listed)) return;
     server_listed_release(&listed);
-    server_exchange_defer(exchange, remove_mesh, NULL);
+    server_exchange_defer(exchange, remove_mesh, leave_to_writer);
 }
 
 /* --- send back ---------------------------------------------------------------------------------------------------- */
@@ -137,13 +143,14 @@ static bool send_content(struct server_exchange *exchange)
 /* Replies without the file when the client has it already, so that it need not be written, or even loaded. */
 static bool is_known(struct server_exchange *exchange)
 {
-    const char *known = server_exchange_header(exchange, "If-None-Match");
+    const struct server_precondition precondition = server_precondition_read(exchange);
     struct server_listed listed;
-    if (!known || !server_request_record(exchange, &listed)) return exchange->response.status != 0;
-    bool is_same = server_etag_listed(known, listed.record->etag, strlen(listed.record->etag), SERVER_ETAG_WEAK);
+    if (!precondition.if_none_match[0]) return false;
+    if (!server_request_record(exchange, &listed)) return true;
+    bool is_same = server_precondition_known(&precondition, listed.record->etag);
     if (is_same) {
         server_description_tag(exchange, listed.record);
-        server_reply_header(exchange, "Vary", "Accept");
+        server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
         server_reply_empty(exchange, 304);
     }
     server_listed_release(&listed);

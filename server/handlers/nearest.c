@@ -2,50 +2,56 @@
 #include "server/handlers/handlers.h"
 
 #include "proto/nearest.h"
-#include "server/handlers/description.h"
-#include "server/handlers/request.h"
-#include "server/reply.h"
+#include "server/handlers/query.h"
 
-static bool read_query(struct server_exchange *exchange, struct proto_options *options, struct proto_nearest *query,
-                       struct proto_problem *problem)
-{
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    bool has_body = exchange->match.route->has_body;
-    if (!proto_options_parse(&parameters, proto_point_fields, has_body ? NULL : proto_nearest_parameters, options,
-                             problem))
-        return false;
-    if (!has_body) return proto_nearest_parse(&parameters, query, problem);
-    json_t *document = server_request_document(exchange, problem);
-    if (!document) return false;
-    bool ok = proto_nearest_decode(document, query, problem);
-    json_decref(document);
-    return ok;
-}
-
-static void reply_nearest(struct server_exchange *exchange, const struct server_surface *surface)
-{
-    struct proto_options options;
-    struct proto_nearest query;
-    struct proto_problem problem;
+struct nearest {
+    struct server_query query; /* first */
     struct gd_point point;
-    struct proto_writer writer;
     double snap_distance;
-    if (!read_query(exchange, &options, &query, &problem) ||
-        !proto_point_locate(surface->mesh, &query.point, &point, &snap_distance, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    proto_nearest_encode(&writer, surface->mesh, &point, snap_distance, &options);
-    server_description_tag(exchange, surface->record);
-    server_reply_json(exchange, 200, &writer);
+};
+
+static bool locate(struct server_query *query, const struct proto_nearest *wanted, struct proto_problem *problem)
+{
+    struct nearest *nearest = (struct nearest *)query;
+    return proto_point_locate(query->surface->mesh, &wanted->point, &nearest->point, &nearest->snap_distance, problem);
 }
+
+static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+{
+    struct proto_nearest wanted;
+    return proto_nearest_decode(document, &wanted, problem) && locate(query, &wanted, problem);
+}
+
+static bool parse(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem)
+{
+    struct proto_nearest wanted;
+    return proto_nearest_parse(parameters, &wanted, problem) && locate(query, &wanted, problem);
+}
+
+/* Nothing is left to do. */
+static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
+{
+    (void)query, (void)problem;
+    return SERVER_QUERY_DONE;
+}
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct nearest *nearest = (const struct nearest *)query;
+    proto_nearest_encode(writer, query->surface->mesh, &nearest->point, nearest->snap_distance, &query->options);
+}
+
+const struct server_query_kind server_query_nearest = {.name = "nearest",
+                                                       .size = sizeof(struct nearest),
+                                                       .fields = proto_point_fields,
+                                                       .parameters = proto_nearest_parameters,
+                                                       .decode = decode,
+                                                       .parse = parse,
+                                                       .glance = solve,
+                                                       .solve = solve,
+                                                       .encode = encode};
 
 void server_handle_nearest(struct server_exchange *exchange)
 {
-    if (!server_reply_accepts_json(exchange)) return;
-    struct server_surface *surface = server_request_surface(exchange);
-    if (!surface) return;
-    reply_nearest(exchange, surface);
-    server_surface_release(surface);
+    server_query_handle(exchange, &server_query_nearest);
 }

@@ -1,256 +1,256 @@
-/* Pair: distance and path between two points.
+/* Pair: distance and path between two points, leg by leg where it is by way of others.
  *
- * The metric is symmetric, so a field of either point answers. First lane: such a field is in the cache. Second lane: a worker
- * searches from one point to the other, with the mesh's landmarks where there are some; or, if one of the points is asked about
- * again and again, it builds the field of that point. Who asks while a field of one of his points is being built is parked and
- * looks again when it has landed. */
+ * The metric is symmetric, so a field of either end of a leg answers. First lane: such a field is in the cache.
+ * Second lane: a worker searches from one end to the other, with the mesh's landmarks where there are some; or, if
+ * one of the ends is asked about again and again, it builds the field of that point. Who asks while a field of one
+ * of his points is being built is parked and looks again when it has landed. */
 #include "server/handlers/handlers.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "proto/pair.h"
 #include "server/cache.h"
 #include "server/field_build.h"
-#include "server/handlers/description.h"
-#include "server/handlers/request.h"
+#include "server/handlers/query.h"
 #include "server/landmarks.h"
 #include "server/pair_search.h"
-#include "server/reply.h"
 #include "server/server.h"
 
 #define INLINE_PATH_FACES   200000 /* tracing a path across a larger mesh may keep an HTTP thread for too long */
 #define PATIENCE_NS_AN_EDGE 10000  /* ten times what a field takes: who has less time left has his pair searched */
+#define WHAT                "the search"
 
 struct pair {
-    struct server_surface *surface;
-    struct proto_options options;
-    struct proto_located_pair points;
+    struct server_query query; /* first */
+    struct proto_located_points stops;
     bool wants_path;
+    uint32_t leg;                  /* the one in work, from that stop to the next; all are done at the last stop */
+    bool is_noted;                 /* its ends are counted as asked about */
+    struct gd_pair_answer answer;  /* of the legs before it */
     struct server_flight *flight;  /* this request is to build the field; NULL: it is not */
-    const struct gd_point *source; /* of the flight: one of the points */
+    const struct gd_point *source; /* of the flight: one of the leg's ends */
 };
 
-static void free_pair(void *state)
+static void release(struct server_query *query)
 {
-    struct pair *pair = state;
-    if (pair->flight) server_cache_abandon(pair->flight, true);
-    server_surface_release(pair->surface);
-    free(pair);
+    struct pair *pair = (struct pair *)query;
+    if (pair->flight) server_cache_fail(pair->flight, GD_CANCELLED);
+    gd_pair_answer_free(&pair->answer);
+    proto_located_points_free(&pair->stops);
 }
 
 /* --- the question ------------------------------------------------------------------------------------------------- */
 
-static bool read_points(struct server_exchange *exchange, struct proto_parameters *parameters,
-                        struct proto_pair *points, struct proto_problem *problem)
+static bool locate(struct server_query *query, struct proto_points *stops, struct proto_problem *problem)
 {
-    if (!exchange->match.route->has_body) return proto_pair_parse(parameters, points, problem);
-    json_t *document = server_request_document(exchange, problem);
-    if (!document) return false;
-    bool ok = proto_pair_decode(document, points, problem);
-    json_decref(document);
+    struct pair *pair = (struct pair *)query;
+    bool ok = proto_points_locate(query->surface->mesh, stops, &pair->stops, problem);
+    proto_points_free(stops);
+    pair->wants_path = query->options.fields & PROTO_PAIR_FIELD_PATH;
     return ok;
 }
 
-static bool read_pair(struct server_exchange *exchange, const char *const *fields, struct pair *pair,
-                      struct proto_problem *problem)
+static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    const char *const *names = exchange->match.route->has_body ? NULL : proto_pair_parameters;
-    struct proto_pair points;
-    if (!proto_options_parse(&parameters, fields, names, &pair->options, problem)) return false;
-    if (!read_points(exchange, &parameters, &points, problem)) return false;
-    if (!proto_pair_locate(pair->surface->mesh, &points, &pair->points, problem)) return false;
-    pair->wants_path = pair->options.fields & PROTO_PAIR_FIELD_PATH;
-    return true;
+    struct proto_points stops;
+    return proto_pair_decode(document, &stops, problem) && locate(query, &stops, problem);
 }
 
-/* --- the answer --------------------------------------------------------------------------------------------------- */
-
-static void count_failure(struct server_exchange *exchange, enum gd_status status)
+static bool parse(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem)
 {
-    if (status == GD_INTERNAL || status == GD_RUNAWAY) server_metrics_count_failed_check(exchange->server->metrics);
+    struct proto_points stops;
+    return proto_pair_parse(parameters, &stops, problem) && locate(query, &stops, problem);
 }
 
-static void reply_status(struct server_exchange *exchange, enum gd_status status)
+/* --- legs --------------------------------------------------------------------------------------------------------- */
+
+static const struct gd_point *from_of(const struct pair *pair)
 {
-    struct proto_problem problem;
-    count_failure(exchange, status);
-    if (status == GD_BUDGET)
-        server_budget_refuse(&exchange->server->budget, "the search", 0, &problem);
-    else
-        proto_problem_from_status(&problem, status, NULL);
-    server_reply_problem(exchange, &problem);
+    return &pair->stops.points[pair->leg];
 }
 
-static void reply_answer(struct server_exchange *exchange, const struct pair *pair, struct gd_pair_answer *answer)
+static const struct gd_point *to_of(const struct pair *pair)
 {
-    struct proto_writer writer;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    proto_pair_encode(&writer, &pair->points, answer, &pair->options);
-    server_description_tag(exchange, pair->surface->record);
-    server_reply_json(exchange, 200, &writer);
-    gd_pair_answer_free(answer);
+    return &pair->stops.points[pair->leg + 1];
 }
 
-static void answer_from(struct server_exchange *exchange, const struct pair *pair, const struct server_cached *cached)
+static uint32_t leg_count(const struct pair *pair)
 {
-    struct gd_pair_answer answer;
-    enum gd_status status =
-        gd_pair_from_field(cached->field, &pair->points.from, &pair->points.to, pair->wants_path, &answer);
-    if (status)
-        reply_status(exchange, status);
-    else
-        reply_answer(exchange, pair, &answer);
+    return pair->stops.count - 1;
 }
 
-static bool answer_from_cache(struct server_exchange *exchange, const struct pair *pair)
+/* Ends a leg with its answer, which is used up, or with a failure. AGAIN: there are legs left. */
+static enum server_query_turn end_leg(struct pair *pair, enum gd_status status, struct gd_pair_answer *leg,
+                                      struct proto_problem *problem)
 {
-    const struct server_cached *cached = server_cache_find(pair->surface->shelf, &pair->points.from);
-    if (!cached) cached = server_cache_find(pair->surface->shelf, &pair->points.to);
-    if (!cached) return false;
-    answer_from(exchange, pair, cached);
-    server_cache_unpin(cached);
-    return true;
+    if (!status) status = server_pair_append(&pair->answer, leg);
+    if (status) return server_query_fail(&pair->query, status, WHAT, problem);
+    pair->leg = isinf(pair->answer.distance) ? leg_count(pair) : pair->leg + 1;
+    pair->is_noted = false;
+    return pair->leg == leg_count(pair) ? SERVER_QUERY_DONE : SERVER_QUERY_AGAIN;
 }
 
-static void search(struct server_exchange *exchange, const struct pair *pair)
+static enum server_query_turn end_leg_by(struct pair *pair, const struct server_cached *cached,
+                                         struct proto_problem *problem)
 {
-    struct server *server = exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, pair->surface);
-    struct gd_pair_answer answer;
-    server_metrics_count_search(server->metrics);
-    enum gd_status status = server_pair_search(exchange, pair->points.mesh, &pair->points.from, &pair->points.to,
-                                               pair->wants_path, set ? set->landmarks : NULL, &answer);
+    struct gd_pair_answer leg;
+    enum gd_status status = gd_pair_from_field(cached->field, from_of(pair), to_of(pair), pair->wants_path, &leg);
+    return end_leg(pair, status, &leg, problem);
+}
+
+/* Ends the legs, one after the other, that cached fields answer. AGAIN: one is left. */
+static enum server_query_turn look(struct pair *pair, struct proto_problem *problem)
+{
+    enum server_query_turn turn = SERVER_QUERY_AGAIN;
+    while (turn == SERVER_QUERY_AGAIN) {
+        const struct server_cached *cached = server_cache_find(pair->query.surface->shelf, from_of(pair));
+        if (!cached) cached = server_cache_find(pair->query.surface->shelf, to_of(pair));
+        if (!cached) break;
+        turn = end_leg_by(pair, cached, problem);
+        server_cache_unpin(cached);
+    }
+    return turn;
+}
+
+static struct server_monitor monitor_of(const struct pair *pair)
+{
+    double share = 1.0 / leg_count(pair);
+    return server_query_monitor(&pair->query, pair->leg * share, share);
+}
+
+static enum server_query_turn search(struct pair *pair, struct proto_problem *problem)
+{
+    struct server *server = pair->query.exchange->server;
+    struct server_landmark_set *set = server_landmarks_find(server->landmarks, pair->query.surface);
+    struct server_monitor monitor = monitor_of(pair);
+    struct gd_pair_answer leg;
+    enum gd_status status = server_pair_search(&monitor, pair->stops.mesh, from_of(pair), to_of(pair), pair->wants_path,
+                                               set ? set->landmarks : NULL, &leg);
     server_landmark_set_release(set);
-    if (status)
-        reply_status(exchange, status);
-    else
-        reply_answer(exchange, pair, &answer);
+    return end_leg(pair, status, &leg, problem);
 }
 
 /* --- the second lane ---------------------------------------------------------------------------------------------- */
 
+/* Counts, once, that the leg's ends are asked about and have no field. */
+static void note(struct pair *pair)
+{
+    struct server_shelf *shelf = pair->query.surface->shelf;
+    if (pair->is_noted) return;
+    server_cache_note(shelf, from_of(pair));
+    if (!gd_point_equal(from_of(pair), to_of(pair))) server_cache_note(shelf, to_of(pair));
+    pair->is_noted = true;
+}
+
 /* BUILD: the request has a flight now. WAIT: it is parked, and not the caller's any more. */
-static enum server_cache_turn board(struct server_exchange *exchange, struct pair *pair)
+static enum server_cache_turn board(struct pair *pair)
 {
-    struct server_shelf *shelf = pair->surface->shelf;
-    uint64_t patience = PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->points.mesh)->edges;
-    if (exchange->job.deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
-    pair->source = &pair->points.from;
-    enum server_cache_turn turn = server_cache_enter(shelf, pair->source, &exchange->job, &pair->flight);
+    struct server_job *job = &pair->query.exchange->job;
+    struct server_shelf *shelf = pair->query.surface->shelf;
+    uint64_t patience = PATIENCE_NS_AN_EDGE * (uint64_t)gd_mesh_summary(pair->stops.mesh)->edges;
+    if (job->deadline_ns < gd_now_ns() + patience) return SERVER_CACHE_SEARCH;
+    pair->source = from_of(pair);
+    enum server_cache_turn turn = server_cache_enter(shelf, pair->source, job, &pair->flight);
     if (turn != SERVER_CACHE_SEARCH) return turn;
-    pair->source = &pair->points.to;
-    return server_cache_enter(shelf, pair->source, &exchange->job, &pair->flight);
+    pair->source = to_of(pair);
+    return server_cache_enter(shelf, pair->source, job, &pair->flight);
 }
 
-/* Ends a flight whose build failed. Unless it is this request that ended, its pair can still be searched, as can those of the
- * requests that wait. */
-static void give_up(struct server_exchange *exchange, const struct pair *pair, struct server_flight *flight,
-                    enum gd_status status)
+/* Ends a flight whose build failed. Unless it is this request that ended, its leg can still be searched, as can
+ * those of the requests that wait. */
+static enum server_query_turn give_up(struct pair *pair, struct server_flight *flight, enum gd_status status,
+                                      struct proto_problem *problem)
 {
-    bool has_ended = status == GD_DEADLINE || status == GD_CANCELLED;
-    server_cache_abandon(flight, has_ended);
-    if (has_ended) {
-        reply_status(exchange, status);
-        return;
-    }
-    count_failure(exchange, status);
-    search(exchange, pair);
+    server_cache_fail(flight, status);
+    if (status == GD_DEADLINE || status == GD_CANCELLED) return server_query_fail(&pair->query, status, WHAT, problem);
+    server_query_count(&pair->query, status);
+    return search(pair, problem);
 }
 
-/* Builds the field and replies from it. */
-static void fly(struct server_exchange *exchange, struct pair *pair)
+/* Builds the field and answers from it. */
+static enum server_query_turn fly(struct pair *pair, struct proto_problem *problem)
 {
     struct server_flight *flight = pair->flight;
+    const struct gd_seed seed = {.point = *pair->source};
+    const struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    struct server_monitor monitor = monitor_of(pair);
     struct gd_field *field;
+    monitor.flight = flight;
     pair->flight = NULL;
-    enum gd_status status = server_field_build(exchange, flight, pair->points.mesh, pair->source, &field);
-    if (status) {
-        give_up(exchange, pair, flight, status);
-        return;
-    }
+    enum gd_status status = server_field_build_request(&monitor, pair->stops.mesh, &request, &field);
+    if (status) return give_up(pair, flight, status, problem);
     const struct server_cached *landed = server_cache_land(flight, field);
-    if (landed)
-        answer_from(exchange, pair, landed);
-    else
-        search(exchange, pair);
+    enum server_query_turn turn = landed ? end_leg_by(pair, landed, problem) : search(pair, problem);
     server_cache_unpin(landed);
+    return turn;
 }
 
-/* One look and, if need be, one search or build. False: parked, then this is called again. */
-static bool solve(struct server_exchange *exchange)
+/* One look and, if need be, one search or build. */
+static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
-    struct pair *pair = exchange->state;
-    enum server_cache_turn turn = SERVER_CACHE_BUILD;
-    if (!pair->flight) {
-        if (answer_from_cache(exchange, pair)) return true;
-        turn = board(exchange, pair);
-    }
-    switch (turn) {
+    struct pair *pair = (struct pair *)query;
+    if (pair->flight) return fly(pair, problem);
+    enum server_query_turn turn = look(pair, problem);
+    if (turn != SERVER_QUERY_AGAIN) return turn;
+    note(pair);
+    switch (board(pair)) {
     case SERVER_CACHE_WAIT:
-        return false;
+        return SERVER_QUERY_PARKED;
     case SERVER_CACHE_BUILD:
-        fly(exchange, pair);
-        break;
-    case SERVER_CACHE_SEARCH:
-        search(exchange, pair);
-        break;
+        return fly(pair, problem);
     case SERVER_CACHE_AGAIN:
-        break; /* without a reply: the dispatcher calls this again */
+        return SERVER_QUERY_AGAIN;
+    case SERVER_CACHE_SEARCH:
+        break;
     }
-    return true;
+    return search(pair, problem);
 }
 
 /* A flight begins here, before its builder is queued: so those who come meanwhile take no place in the queue. */
-static bool join(struct server_exchange *exchange)
+static bool join(struct server_query *query)
 {
-    return board(exchange, exchange->state) == SERVER_CACHE_WAIT;
+    return board((struct pair *)query) == SERVER_CACHE_WAIT;
 }
 
 /* --- the first lane ----------------------------------------------------------------------------------------------- */
 
 static bool is_quick(const struct pair *pair)
 {
-    return !pair->wants_path || gd_mesh_summary(pair->points.mesh)->faces <= INLINE_PATH_FACES;
+    uint64_t faces = gd_mesh_summary(pair->stops.mesh)->faces;
+    return !pair->wants_path || faces * leg_count(pair) <= INLINE_PATH_FACES;
 }
 
-static void answer_or_defer(struct server_exchange *exchange, const struct pair *pair)
+static enum server_query_turn glance(struct server_query *query, struct proto_problem *problem)
 {
-    const struct gd_point *from = &pair->points.from, *to = &pair->points.to;
-    if (is_quick(pair) && answer_from_cache(exchange, pair)) return;
-    server_cache_note(pair->surface->shelf, from);
-    if (!gd_point_equal(from, to)) server_cache_note(pair->surface->shelf, to);
-    server_exchange_defer(exchange, solve, join);
+    struct pair *pair = (struct pair *)query;
+    enum server_query_turn turn = is_quick(pair) ? look(pair, problem) : SERVER_QUERY_AGAIN;
+    if (turn == SERVER_QUERY_AGAIN) note(pair);
+    return turn;
 }
 
-static void handle_pair(struct server_exchange *exchange, const char *const *fields)
+/* --- the answer --------------------------------------------------------------------------------------------------- */
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
 {
-    struct proto_problem problem;
-    if (!server_reply_accepts_json(exchange)) return;
-    struct server_surface *surface = server_request_surface(exchange);
-    if (!surface) return;
-    struct pair *pair = calloc(1, sizeof *pair);
-    if (!pair) {
-        server_surface_release(surface);
-        reply_status(exchange, GD_NO_MEMORY);
-        return;
-    }
-    pair->surface = surface;
-    server_exchange_keep(exchange, pair, free_pair);
-    if (!read_pair(exchange, fields, pair, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    server_exchange_shorten(exchange, pair->options.timeout_ms);
-    answer_or_defer(exchange, pair);
+    const struct pair *pair = (const struct pair *)query;
+    proto_pair_encode(writer, &pair->stops, &pair->answer, &query->options);
 }
+
+#define PAIR_STEPS                                                                                                     \
+    .size = sizeof(struct pair), .parameters = proto_pair_parameters, .decode = decode, .parse = parse,                \
+    .glance = glance, .join = join, .solve = solve, .encode = encode, .release = release
+
+const struct server_query_kind server_query_distance = {
+    .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};
+const struct server_query_kind server_query_path = {.name = "path", .fields = proto_path_fields, PAIR_STEPS};
 
 void server_handle_distance(struct server_exchange *exchange)
 {
-    handle_pair(exchange, proto_distance_fields);
+    server_query_handle(exchange, &server_query_distance);
 }
 
 void server_handle_path(struct server_exchange *exchange)
 {
-    handle_pair(exchange, proto_path_fields);
+    server_query_handle(exchange, &server_query_path);
 }

@@ -113,7 +113,8 @@ static bool join(struct server_exchange *exchange)
     return joined;
 }
 
-struct server_surface *server_request_surface(struct server_exchange *exchange)
+/* The surface in memory, or NULL with the exchange deferred or a problem replied. */
+static struct server_surface *find_surface(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
     struct server_listed listed;
@@ -128,7 +129,18 @@ struct server_surface *server_request_surface(struct server_exchange *exchange)
     return listed.surface;
 }
 
-/* --- bodies and conditions ---------------------------------------------------------------------------------------- */
+struct server_surface *server_request_surface(struct server_exchange *exchange)
+{
+    struct server_surface *surface = find_surface(exchange);
+    if (!surface || !server_exchange_is(exchange, "POST")) return surface;
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    if (server_precondition_holds(&precondition, surface->record->etag)) return surface;
+    server_request_fail(exchange, SERVER_STORE_PRECONDITION);
+    server_surface_release(surface);
+    return NULL;
+}
+
+/* --- bodies and failures ------------------------------------------------------------------------------------------ */
 
 static bool is_json(const char *content_type)
 {
@@ -145,12 +157,6 @@ json_t *server_request_document(const struct server_exchange *exchange, struct p
     proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
                       "a query is JSON: send it with the header Content-Type: application/json");
     return NULL;
-}
-
-struct server_precondition server_request_precondition(const struct server_exchange *exchange)
-{
-    return (struct server_precondition){.if_match = server_exchange_header(exchange, "If-Match"),
-                                        .if_none_match = server_exchange_header(exchange, "If-None-Match")};
 }
 
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome)

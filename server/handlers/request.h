@@ -15,16 +15,14 @@ bool server_request_is_plain(struct server_exchange *exchange);
 /* What is known of the surface that the path names, retained; false: a problem is replied. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
 
-/* The surface that the path names, in memory, retained. NULL: the handler is to return at once; a problem is replied, or
- * the exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
+/* The surface that the path names, in memory, retained, if it is what the preconditions of a POST ask for (those of a GET
+ * are looked at when its answer is there, reply.c). NULL: the handler is to return at once; a problem is replied, or the
+ * exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
 /* The body as a JSON document, owned by the caller (json_decref), or NULL with unsupported_media_type or
  * invalid_request in `problem`. */
 json_t *server_request_document(const struct server_exchange *exchange, struct proto_problem *problem);
-
-/* If-Match and If-None-Match; borrowed. */
-struct server_precondition server_request_precondition(const struct server_exchange *exchange);
 
 /* Replies with the problem that a store's outcome is. */
 void server_request_fail(struct server_exchange *exchange, enum server_store_outcome outcome);

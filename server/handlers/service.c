@@ -26,42 +26,30 @@ void server_handle_get_openapi(struct server_exchange *exchange)
     reply_asset(exchange, "/openapi.json");
 }
 
-static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health)
+static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health,
+                         const char *reason)
 {
     struct proto_writer writer;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
-    proto_health_encode(&writer, health);
+    proto_health_encode(&writer, health, reason);
     server_reply_json(exchange, status, &writer);
-}
-
-/* Queries are answered as before: so the daemon is ready, and says what it is not ready for. */
-static void reply_read_only(struct server_exchange *exchange, const char *reason)
-{
-    struct proto_writer writer;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    proto_write_object_begin(&writer);
-    proto_write_key(&writer, "status");
-    proto_write_string(&writer, "read_only");
-    proto_write_key(&writer, "reason");
-    proto_write_string(&writer, reason);
-    proto_write_object_end(&writer);
-    server_reply_json(exchange, 200, &writer);
 }
 
 void server_handle_get_livez(struct server_exchange *exchange)
 {
-    reply_health(exchange, 200, PROTO_HEALTH_OK);
+    reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
+/* A store that takes no changes leaves the daemon ready, since queries are answered as before. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
-    bool draining = atomic_load(&exchange->server->draining);
     const char *reason = server_registry_health(exchange->server->registry);
-    if (draining) server_reply_header(exchange, "Retry-After", "1");
-    if (reason && !draining)
-        reply_read_only(exchange, reason);
-    else
-        reply_health(exchange, draining ? 503 : 200, draining ? PROTO_HEALTH_DRAINING : PROTO_HEALTH_OK);
+    if (atomic_load(&exchange->server->draining)) {
+        server_reply_header(exchange, "Retry-After", "1");
+        reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
+    } else {
+        reply_health(exchange, 200, reason ? PROTO_HEALTH_READ_ONLY : PROTO_HEALTH_OK, reason);
+    }
 }
 
 void server_handle_get_metrics(struct server_exchange *exchange)

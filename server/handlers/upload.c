@@ -1,5 +1,5 @@
-/* Upload: the bytes of a file become a mesh under a name. Read and built by a worker, then stored: it is durable before
- * the answer says that it is there. */
+/* Upload: the bytes of a file become a mesh under a name. Read and built by a worker, then stored by the registry's
+ * writer: it is durable before the answer says that it is there. */
 #include "server/handlers/handlers.h"
 
 #include <stdio.h>
@@ -18,11 +18,13 @@ struct upload {
     char name[PROTO_MESH_NAME + 1]; /* empty: to be made from the bytes */
     struct proto_mesh_options options;
     struct server_record *record;
+    struct server_surface *surface; /* NULL: not built as yet */
 };
 
 static void free_upload(void *state)
 {
     struct upload *upload = state;
+    server_surface_release(upload->surface);
     server_record_release(upload->record);
     free(upload);
 }
@@ -39,6 +41,7 @@ static bool identify(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_body *body = &exchange->body;
     char sha256[SERVER_SHA256_HEX];
+    server_record_release(upload->record); /* of the last time, if the name was another mesh's before it was stored */
     server_sha256(body->bytes, body->size, sha256);
     if (!upload->name[0]) snprintf(upload->name, sizeof upload->name, "%.*s", GENERATED_NAME, sha256);
     upload->options.format = proto_mesh_upload_format(&upload->options, body->bytes, body->size,
@@ -48,30 +51,26 @@ static bool identify(struct server_exchange *exchange, struct upload *upload)
     return upload->record != NULL;
 }
 
-/* The name holds the same already: the upload goes on only if the mesh is not in memory, to bring it there, and to make
- * sure of what is stored. True: replied. */
-static bool answer_same(struct server_exchange *exchange, struct upload *upload, const struct server_listed *before)
+/* The name holds the same already: the upload goes on, to make sure of what is stored, and to bring the mesh into
+ * memory if it is not there. */
+static void take_over(struct upload *upload, const struct server_listed *before)
 {
-    if (before->surface) {
-        reply_description(exchange, 200, before);
-        return true;
-    }
     server_record_release(upload->record);
     upload->record = server_record_retain(before->record);
-    return false;
+    if (before->surface) upload->surface = server_surface_retain(before->surface);
 }
 
-/* Replies when the name holds the same mesh already, or something that the precondition excludes. */
+/* Replies when the name holds something that the precondition excludes. */
 static bool answer_from_registry(struct server_exchange *exchange, struct upload *upload)
 {
-    const struct server_precondition precondition = server_request_precondition(exchange);
+    const struct server_precondition precondition = server_precondition_read(exchange);
     struct server_listed before = {0};
     bool exists = server_registry_find(exchange->server->registry, upload->name, &before), replied = false;
     if (!server_precondition_holds(&precondition, exists ? before.record->etag : NULL)) {
         server_request_fail(exchange, SERVER_STORE_PRECONDITION);
         replied = true;
     } else if (exists && server_record_equal(before.record, upload->record)) {
-        replied = answer_same(exchange, upload, &before);
+        take_over(upload, &before);
     }
     server_listed_release(&before);
     return replied;
@@ -100,12 +99,11 @@ static bool complete(struct server_exchange *exchange, struct server_surface *su
     return false;
 }
 
-static void store_surface(struct server_exchange *exchange, struct server_surface *surface)
+static void reply_outcome(struct server_exchange *exchange, struct server_surface *surface,
+                          enum server_store_outcome outcome)
 {
-    const struct server_precondition precondition = server_request_precondition(exchange);
     const struct server_listed listed = {surface->record, surface};
-    enum server_store_outcome outcome =
-        server_registry_put(exchange->server->registry, surface, exchange->body.bytes, &precondition);
+    server_body_drop(&exchange->body, &exchange->server->budget);
     if (outcome == SERVER_STORE_CREATED)
         reply_description(exchange, 201, &listed);
     else if (outcome == SERVER_STORE_REPLACED)
@@ -116,16 +114,53 @@ static void store_surface(struct server_exchange *exchange, struct server_surfac
 
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
+static bool make_mesh(struct server_exchange *exchange);
+
+/* By the writer. */
+static bool store_mesh(struct server_exchange *exchange)
+{
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    const struct upload *upload = exchange->state;
+    reply_outcome(
+        exchange, upload->surface,
+        server_registry_put(exchange->server->registry, upload->surface, exchange->body.bytes, &precondition));
+    return true;
+}
+
+/* By the writer, of a mesh that is in memory already. If it no longer is the name's, the upload begins anew. */
+static bool confirm_mesh(struct server_exchange *exchange)
+{
+    struct upload *upload = exchange->state;
+    enum server_store_outcome outcome =
+        server_registry_confirm(exchange->server->registry, upload->record, exchange->body.bytes);
+    if (outcome != SERVER_STORE_ABSENT) {
+        reply_outcome(exchange, upload->surface, outcome);
+        return true;
+    }
+    server_surface_release(upload->surface);
+    upload->surface = NULL;
+    server_exchange_defer(exchange, make_mesh, NULL);
+    server_workers_resume(exchange->server->workers, &exchange->job);
+    return false;
+}
+
+/* Leaves the exchange to the writer, which has `work` done. */
+static bool pass_on(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
+{
+    server_exchange_defer(exchange, work, NULL);
+    server_registry_submit(exchange->server->registry, &exchange->job);
+    return false;
+}
+
+/* By a worker. */
 static bool make_mesh(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
     if (!identify(exchange, upload) || answer_from_registry(exchange, upload)) return true;
-    struct server_surface *surface = make_surface(exchange, upload);
-    if (!surface) return true;
-    if (complete(exchange, surface)) store_surface(exchange, surface);
-    server_surface_release(surface);
-    server_body_drop(&exchange->body, &exchange->server->budget);
-    return true;
+    if (upload->surface) return pass_on(exchange, confirm_mesh);
+    upload->surface = make_surface(exchange, upload);
+    if (!upload->surface || !complete(exchange, upload->surface)) return true;
+    return pass_on(exchange, store_mesh);
 }
 
 static void handle_upload(struct server_exchange *exchange, const char *name)

@@ -10,6 +10,7 @@ import pathlib
 import signal
 import socket
 import subprocess
+import tempfile
 import threading
 import time
 import unittest
@@ -163,6 +164,20 @@ class Daemon:
         self._reader.join(PATIENCE_SECONDS)
         self.process.stderr.close()
         return status
+
+
+class Folder(unittest.TestCase):
+    """Each test has a data folder of its own."""
+
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.place.name) / "data"
+
+    def tearDown(self):
+        self.place.cleanup()
+
+    def start(self, *flags):
+        return Daemon("--data-dir", str(self.folder), *flags)
 
 
 class TestCase(unittest.TestCase):

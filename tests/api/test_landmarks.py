@@ -1,10 +1,10 @@
 """Landmarks: answers are the same with them; they come in idle time, outlive a restart, go for room and with their mesh."""
 import pathlib
 import random
-import tempfile
+import time
 import unittest
 
-from harness import SQUARE, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, SQUARE, Daemon, Folder, TestCase, sample
 
 
 def rough():
@@ -45,20 +45,64 @@ class Answers(unittest.TestCase):
                 self.assertAlmostEqual(guided["path"]["length"], guided["distance"], 12)
 
 
+class Effort(unittest.TestCase):
+    def processor_seconds(self, daemon):
+        tasks = pathlib.Path(f"/proc/{daemon.process.pid}/task").iterdir()
+        return sum(int((task / "schedstat").read_text().split()[0]) for task in tasks) / 1e9
+
+    def search(self, landmarks):
+        """What it takes to search far pairs on a mesh of many hills."""
+        with Daemon("--landmarks", str(landmarks), "--workers", "1") as daemon:
+            faces = daemon.put("rough", sample("terrain", cells=128, amplitude=1)).json["faces"]
+            daemon.get("/v1/meshes/rough/distance?from=v:0&to=v:1")
+            if landmarks:
+                daemon.wait_for("landmarks_built_total")
+            connection, before = daemon.connect(), self.processor_seconds(daemon)
+            for pair in random_pairs(faces, 60, 5):
+                answer = daemon.request("GET", f"/v1/meshes/rough/distance?{pair}", connection=connection)
+                self.assertEqual(answer.status, 200, answer)
+            connection.close()
+            return self.processor_seconds(daemon) - before
+
+    def test_searches_take_less_with_them(self):
+        """About half; the same if no search were given any."""
+        self.assertLess(self.search(16), 0.75 * self.search(0))
+
+
 class Life(TestCase):
     flags = ("--workers", "1", "--memory-budget", "64MiB", "--max-body", "8MiB")
 
+    def fill(self, name):
+        """Has more fields of the mesh built than there is room for."""
+        faces = self.daemon.put(name, rough()).json["faces"]
+        for source in range(0, faces, faces // 20):
+            point = f"f:{source}:0.2,0.3,0.5"
+            self.daemon.ask_often(name, point)
+            self.assertEqual(self.daemon.get(f"/v1/meshes/{name}/distance?from={point}&to=v:0").status, 200)
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+
     def test_they_go_for_room_and_come_back(self):
-        faces = self.daemon.put("rough", rough()).json["faces"]
-        self.daemon.get("/v1/meshes/rough/distance?from=v:0&to=v:9")
+        faces = self.daemon.put("flat", sample("grid", columns=40, rows=40)).json["faces"]  # of a short pause
+        self.daemon.get("/v1/meshes/flat/distance?from=v:0&to=v:9")
         self.daemon.wait_for("landmarks_built_total")
         self.assertRegex(self.daemon.get("/metrics").body.decode(), r'memory_bytes\{class="landmarks"\} [1-9]')
-        for source in range(0, faces, faces // 40):  # more fields than there is room for
-            point = f"f:{source}:0.2,0.3,0.5"
-            self.daemon.ask_often("rough", point)
-            self.assertEqual(self.daemon.get(f"/v1/meshes/rough/distance?from={point}&to=v:0").status, 200)
-        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+        self.fill("crowd")
         self.assertGreater(self.daemon.metric("landmarks_dropped_total"), 0)
+        self.daemon.request("DELETE", "/v1/meshes/crowd")
+        self.wait_idle()
+        self.assertIn('memory_bytes{class="landmarks"} 0\n', self.daemon.get("/metrics").body.decode())
+        built, until = self.daemon.metric("landmarks_built_total"), time.monotonic() + PATIENCE_SECONDS
+        for pair in random_pairs(faces, 10000, 1):  # not at once: they have a pause
+            self.assertEqual(self.daemon.get(f"/v1/meshes/flat/distance?{pair}").status, 200)
+            if self.daemon.metric("landmarks_built_total") > built:
+                break
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.01)
+        self.assertRegex(self.daemon.get("/metrics").body.decode(), r'memory_bytes\{class="landmarks"\} [1-9]')
+
+    def wait_idle(self):
+        while self.daemon.metric("workers_background"):
+            pass
 
     def test_requests_do_not_wait_for_them(self):
         """With a single worker: the background runs the requests between two steps of its own."""
@@ -73,25 +117,17 @@ class Life(TestCase):
 
     def test_a_mesh_that_is_deleted_meanwhile(self):
         self.daemon.put("gone", sample("terrain", cells=128, amplitude=1))
+        built = self.daemon.metric("landmarks_built_total")
         self.daemon.get("/v1/meshes/gone/distance?from=v:0&to=v:1")
+        self.daemon.wait_for("workers_background")
         self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/gone").status, 204)
-        while self.daemon.metric("workers_background"):
-            pass
+        self.wait_idle()
+        self.assertEqual(self.daemon.metric("landmarks_built_total"), built, "they were built all the same")
         self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
 
 
-class Stored(unittest.TestCase):
+class Stored(Folder):
     URL = "/v1/meshes/ball/distance?from=v:7&to=p:0,0,-9"
-
-    def setUp(self):
-        self.place = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.place.name) / "data"
-
-    def tearDown(self):
-        self.place.cleanup()
-
-    def start(self, *flags):
-        return Daemon("--data-dir", str(self.folder), *flags)
 
     def files(self):
         return list(self.folder.glob("fields/*/*.landmarks"))

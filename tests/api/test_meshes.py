@@ -1,6 +1,7 @@
 """The resource /v1/meshes: create, replace, list, describe, send back, remove."""
 import hashlib
 import json
+import math
 import re
 import unittest
 
@@ -34,6 +35,7 @@ class Put(TestCase):
         self.daemon.put("replaced", SQUARE)
         self.daemon.ask_often("replaced", "v:0")
         self.daemon.get("/v1/meshes/replaced/distance?from=v:0&to=v:2")
+        self.assertEqual(self.daemon.get("/v1/meshes/replaced").json["fields_cached"], 1)
         answer = self.daemon.put("replaced", TETRAHEDRON)
         self.assertEqual((answer.status, answer.json["faces"], answer.json["fields_cached"]), (200, 4, 0))
 
@@ -66,12 +68,55 @@ class Put(TestCase):
         self.assertEqual(self.daemon.put("guarded", TETRAHEDRON, If_Match=etag).status, 200)
         self.assertEqual(self.daemon.put("fresh", SQUARE, If_None_Match="*").status, 201)
 
+    def test_create_only_with_blanks_around_the_star(self):
+        self.daemon.put("once", SQUARE)
+        for star in ("* ", "*\t", "*  \t"):
+            self.assert_problem(self.daemon.put("once", TETRAHEDRON, If_None_Match=star), 412, "precondition_failed")
+
+    def test_preconditions_in_several_lines(self):
+        etag = self.daemon.put("lines", SQUARE).headers["ETag"]
+
+        def put(*lines):
+            head = "\r\n".join(["PUT /v1/meshes/lines HTTP/1.1", "Host: localhost", f"Content-Length: {len(TETRAHEDRON)}",
+                                "Connection: close", *lines, "\r\n"])
+            return self.daemon.raw(head.encode() + TETRAHEDRON)[:13]
+
+        self.assertEqual(put('If-None-Match: "x"', f"If-None-Match: {etag}"), b"HTTP/1.1 412 ")
+        self.assertEqual(put('If-Match: "x"', 'If-Match: "y"'), b"HTTP/1.1 412 ")
+        self.assertEqual(put('If-Match: "x"', f"If-Match: {etag}"), b"HTTP/1.1 200 ")
+
     def test_expect_continue(self):
         fields = ["Host: localhost", f"Content-Length: {len(SQUARE)}", "Expect: 100-continue", "Connection: close"]
         head = "\r\n".join(["PUT /v1/meshes/expect HTTP/1.1", *fields, "\r\n"])
         received = self.daemon.raw(head.encode() + SQUARE)
         self.assertTrue(received.startswith(b"HTTP/1.1 100 "), received)
         self.assertIn(b"HTTP/1.1 201 ", received)
+
+
+class Repair(TestCase):
+    """Cuts that need more memory than the mesh as it was sent, all of it being free."""
+
+    def assert_mended(self, file, options, faces, copies):
+        answer = self.daemon.put("mended", file.encode(), options)
+        self.assertIn(answer.status, (200, 201), answer)
+        self.assertEqual((answer.json["faces"], answer.json["index_count"] - file.count("v ")), (faces, copies))
+        self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+
+    def test_small_ones(self):
+        bow_tie = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n"
+        crowded = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"
+        self.assert_mended(bow_tie, "?repair=split", 2, 1)
+        self.assert_mended(crowded, "?repair=split", 3, 4)
+
+    def test_a_book(self):
+        angles = [6 * page / 3000 for page in range(3000)]
+        pages = [f"v {math.cos(angle)} {math.sin(angle)} 0\nf 1 2 {page + 3}\n" for page, angle in enumerate(angles)]
+        self.assert_mended("v 0 0 0\nv 0 0 1\n" + "".join(pages), "?repair=split", 3000, 2 * 2999)
+
+    def test_a_welded_soup(self):
+        corners = [f"v 0 0 0\nv {i % 97} 1 0\nv {i // 97} 0 1\n" for i in range(9000)]
+        faces = [f"f {3 * i + 1} {3 * i + 2} {3 * i + 3}\n" for i in range(9000)]
+        self.assert_mended("".join(corners + faces), "?weld=0&repair=split", 9000, 3 * 9000 - 1 - 97 - 93)
 
 
 class Post(TestCase):
@@ -110,6 +155,12 @@ class Read(TestCase):
         etag = self.daemon.get("/v1/meshes/c").headers["ETag"]
         answer = self.daemon.get("/v1/meshes/c", If_None_Match=f'"other", {etag}')
         self.assertEqual((answer.status, answer.body, answer.headers["ETag"]), (304, b"", etag))
+
+    def test_not_modified_of_several_lines(self):
+        etag = self.daemon.get("/v1/meshes/c").headers["ETag"]
+        for path in ("/v1/meshes/c", "/v1/meshes/c/content"):
+            head = f'GET {path} HTTP/1.1\r\nHost: localhost\r\nIf-None-Match: "x"\r\nIf-None-Match: {etag}\r\n'
+            self.assertEqual(self.daemon.raw(f"{head}Connection: close\r\n\r\n".encode())[:13], b"HTTP/1.1 304 ")
 
     def test_list_by_pages(self):
         names, after = [], ""
@@ -156,6 +207,43 @@ class Content(TestCase):
         self.assertEqual(answer.headers["Content-Type"], "application/x-ply")
         self.assertEqual(answer.headers["Content-Disposition"], 'attachment; filename="torus.ply"')
         self.assert_problem(self.daemon.get("/v1/meshes/torus/content", Accept="text/html"), 406, "not_acceptable")
+
+    def test_what_is_packed_has_a_tag_of_its_own(self):
+        """Two sequences of bytes never share a strong tag, and either names the mesh."""
+        path = "/v1/meshes/torus/content"
+        plain, packed = self.daemon.get(path), self.daemon.get(path, Accept_Encoding="gzip")
+        self.assertEqual(packed.headers["ETag"], plain.headers["ETag"][:-1] + '-gzip"')
+        for answer in (plain, packed):
+            tag = answer.headers["ETag"]
+            for known in (self.daemon.get(path, If_None_Match=tag, Accept_Encoding="gzip"),
+                          self.daemon.get("/v1/meshes/torus", If_None_Match=tag)):
+                self.assertEqual((known.status, known.headers["ETag"]), (304, tag))
+            self.assertEqual(self.daemon.get(path, If_Match=tag).status, 200)
+            self.assertEqual(self.daemon.put("torus", self.file, If_Match=tag).status, 200)
+
+    def test_what_is_known_varies_like_what_is_sent(self):
+        sent = self.daemon.get("/v1/meshes/torus/content")
+        known = self.daemon.get("/v1/meshes/torus/content", If_None_Match=sent.headers["ETag"])
+        self.assertEqual(known.status, 304)
+        self.assertEqual(set(", ".join(known.headers.get_all("Vary")).split(", ")),
+                         set(", ".join(sent.headers.get_all("Vary")).split(", ")))
+        self.assert_problem(self.daemon.get("/v1/meshes/torus/content", If_Match='"x"', If_None_Match="*"), 412,
+                            "precondition_failed")
+
+
+class Conditions(TestCase):
+    def test_the_contract_lists_them(self):
+        """What is said about a mesh has an ETag: so it obeys conditions."""
+        for path, item in self.daemon.get("/openapi.json").json["paths"].items():
+            for method in set(item) & {"get", "head", "put", "post", "delete"}:
+                operation = item[method]
+                if not path.startswith("/v1/meshes") or "ETag" not in operation["responses"].get("200", {}).get("headers", {}):
+                    continue
+                parameters = item.get("parameters", []) + operation.get("parameters", [])
+                names = {parameter.get("$ref", "").rpartition("/")[2] for parameter in parameters}
+                self.assertLessEqual({"IfMatch", "IfNoneMatch"}, names, (method, path))
+                expected = {"304", "412"} if method in ("get", "head") else {"412"}
+                self.assertLessEqual(expected, set(operation["responses"]), (method, path))
 
 
 class Delete(TestCase):

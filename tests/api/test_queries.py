@@ -1,24 +1,42 @@
 """Distance, path and nearest, on surfaces whose answers are known in closed form."""
 import gzip
+import json
 import math
 import unittest
 
-from harness import SEARCHES, SQUARE, TWO_TRIANGLES, TestCase, sample
+from harness import SEARCHES, SQUARE, TWO_TRIANGLES, TestCase, header_fields, sample
 
 
-class Pairs(TestCase):
+class ClosedForms(TestCase):
+    """Each pair is searched, on a mesh that was not asked about before; the classes below ask fields instead."""
+
+    counter = "searches_total"
+    source = None  # which end has a field
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.daemon.put("square", SQUARE)
-        cls.daemon.put("apart", TWO_TRIANGLES)
-        cls.daemon.put("grid", sample("grid", columns=20, rows=20))
-        cls.daemon.put("box", sample("box", cells=4))
+        cls.files = {"square": SQUARE, "apart": TWO_TRIANGLES, "grid": sample("grid", columns=20, rows=20),
+                     "box": sample("box", cells=4)}
+
+    def build_field(self, mesh, source):
+        self.daemon.ask_often(mesh, source)
+        self.daemon.get(f"/v1/meshes/{mesh}/distance?from={source}&to={source}")
+        self.assertEqual(self.daemon.get(f"/v1/meshes/{mesh}").json["fields_cached"], 1)
+
+    def path(self, mesh, start, end):
+        self.daemon.request("DELETE", f"/v1/meshes/{mesh}")
+        self.daemon.put(mesh, self.files[mesh])
+        if self.source:
+            self.build_field(mesh, {"from": start, "to": end}[self.source])
+        before = self.daemon.metric(self.counter)
+        answer = self.daemon.get(f"/v1/meshes/{mesh}/path?from={start}&to={end}")
+        self.assertEqual(answer.status, 200, answer)
+        self.assertEqual(self.daemon.metric(self.counter) - before, 1, "it was answered in another way")
+        return answer.json
 
     def distance(self, mesh, start, end):
-        answer = self.daemon.get(f"/v1/meshes/{mesh}/distance?from={start}&to={end}")
-        self.assertEqual(answer.status, 200, answer)
-        return answer.json["distance"]
+        return self.path(mesh, start, end)["distance"]
 
     def test_flat(self):
         self.assertAlmostEqual(self.distance("square", "v:0", "v:2"), math.sqrt(2), 12)
@@ -38,9 +56,45 @@ class Pairs(TestCase):
                     self.assertLessEqual(d[a, c], d[a, b] + d[b, c] + 1e-12)
 
     def test_opposite_corners_of_a_box(self):
-        answer = self.daemon.get("/v1/meshes/box/path?from=p:0,0,0&to=p:1,1,1")
-        self.assertAlmostEqual(answer.json["distance"], math.sqrt(5), 12)
-        self.assertAlmostEqual(answer.json["path"]["length"], math.sqrt(5), 12)
+        answer = self.path("box", "p:0,0,0", "p:1,1,1")
+        self.assertAlmostEqual(answer["distance"], math.sqrt(5), 12)
+        self.assertAlmostEqual(answer["path"]["length"], math.sqrt(5), 12)
+
+    def test_a_path_runs_from_one_point_to_the_other(self):
+        one, other = "p:0.1,0.2,0", "p:0.9,0.7,0"
+        for start, end in ((one, other), (other, one)):
+            answer = self.path("grid", start, end)
+            points = [point["xyz"] for point in answer["path"]["points"]]
+            self.assertEqual((points[0], points[-1]), (answer["from"]["xyz"], answer["to"]["xyz"]))
+            self.assertAlmostEqual(sum(map(math.dist, points, points[1:])), answer["distance"], 12)
+
+    def test_other_component(self):
+        answer = self.path("apart", "v:0", "v:4")
+        self.assertEqual((answer["distance"], answer["reason"], answer["path"]), (None, "no_path", None))
+
+
+class FromTheFieldOfTheStart(ClosedForms):
+    counter, source = "cache_hits_total", "from"
+
+
+class FromTheFieldOfTheEnd(ClosedForms):
+    """The metric is symmetric; the path has to be turned round."""
+
+    counter, source = "cache_hits_total", "to"
+
+
+class Pairs(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("square", SQUARE)
+        cls.daemon.put("grid", sample("grid", columns=20, rows=20))
+        cls.daemon.put("box", sample("box", cells=4))
+
+    def distance(self, mesh, start, end):
+        answer = self.daemon.get(f"/v1/meshes/{mesh}/distance?from={start}&to={end}")
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json["distance"]
 
     def test_get_and_post_agree(self):
         document = {"from": {"xyz": [0, 0, 0]}, "to": {"face": 7, "barycentric": [0.5, 0.25, 0.25]}}
@@ -49,18 +103,6 @@ class Pairs(TestCase):
         self.assertEqual(post.status, 200, post)
         self.assertEqual(post.json, get.json)
         self.assertEqual(post.headers["ETag"], self.daemon.get("/v1/meshes/box").headers["ETag"])
-
-    def test_a_path_runs_from_one_point_to_the_other(self):
-        for ends in ("from=p:0.1,0.2,0&to=p:0.9,0.7,0", "to=p:0.1,0.2,0&from=p:0.9,0.7,0"):
-            answer = self.daemon.get(f"/v1/meshes/grid/path?{ends}").json
-            points = [point["xyz"] for point in answer["path"]["points"]]
-            self.assertEqual((points[0], points[-1]), (answer["from"]["xyz"], answer["to"]["xyz"]))
-            self.assertAlmostEqual(sum(map(math.dist, points, points[1:])), answer["distance"], 12)
-
-    def test_other_component(self):
-        answer = self.daemon.get("/v1/meshes/apart/path?from=v:0&to=v:4")
-        self.assertEqual(answer.status, 200)
-        self.assertEqual((answer.json["distance"], answer.json["reason"], answer.json["path"]), (None, "no_path", None))
 
     def test_fields_and_geometry(self):
         url = "/v1/meshes/grid/path?from=v:0&to=v:5"
@@ -117,6 +159,22 @@ class Pairs(TestCase):
         far = {"xyz": [9, 9, 9], "max_snap": 0.5}
         answer = self.daemon.ask("square", "distance", {"from": {"vertex": 0}, "to": far})
         self.assert_problem(answer, 422, "point_not_on_surface")
+
+    def test_preconditions_of_a_query(self):
+        etag = self.daemon.get("/v1/meshes/square").headers["ETag"]
+        document = json.dumps({"from": {"vertex": 0}, "to": {"vertex": 2}})
+
+        def post(**headers):
+            return self.daemon.request("POST", "/v1/meshes/square/distance", document,
+                                       header_fields({"Content-Type": "application/json", **headers}))
+
+        for fine in ({"If_Match": etag}, {"If_Match": "*"}, {"If_None_Match": '"x"'}):
+            self.assertEqual(post(**fine).status, 200, fine)
+        for failed in ({"If_Match": '"x"'}, {"If_None_Match": etag}, {"If_None_Match": "*"}):
+            self.assert_problem(post(**failed), 412, "precondition_failed")
+        url = "/v1/meshes/square/distance?from=v:0&to=v:2"
+        self.assert_problem(self.daemon.get(url, If_Match='"x"'), 412, "precondition_failed")
+        self.assertEqual(self.daemon.get(url, If_None_Match=etag).status, 304)
 
     def test_a_mesh_that_is_not_there(self):
         self.assert_problem(self.daemon.get("/v1/meshes/nobody/distance?from=v:0&to=v:1"), 404, "not_found")

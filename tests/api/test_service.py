@@ -1,7 +1,9 @@
 """The daemon as a whole: start, health, headers, who may speak to it, the two lanes, overload, deadlines, drain."""
 import concurrent.futures
+import itertools
 import json
 import pathlib
+import random
 import re
 import signal
 import socket
@@ -104,7 +106,7 @@ class Start(unittest.TestCase):
 
 
 class Cpu(unittest.TestCase):
-    """Kernels are a matter of speed: what a client sees is the same to the last bit."""
+    """Kernels are a matter of speed: what a client sees is the same to the last bit, by searches and from fields."""
 
     def answers(self, cpu, files):
         with Daemon("--cpu", cpu, "--landmarks", "0") as daemon:
@@ -112,14 +114,22 @@ class Cpu(unittest.TestCase):
             self.assertIn(f'cpu="{name}"', daemon.get("/metrics").body.decode())
             self.assertEqual([line["cpu"] for line in daemon.log if line["event"] == "listening"], [name])
             bodies = []
+
+            def ask(name, start, end):
+                answer = daemon.get(f"/v1/meshes/{name}/path?from={start}&to={end}")
+                self.assertEqual(answer.status, 200, answer)
+                bodies.append(answer.body)
+
             for number, file in enumerate(files):
-                self.assertEqual(daemon.put(f"m{number}", file).status, 201)
-                faces = daemon.get(f"/v1/meshes/m{number}").json["faces"]
+                name = f"m{number}"
+                faces = daemon.put(name, file).json["faces"]
                 for source in range(8):
-                    pair = f"from=f:{source * 97 % faces}:0.2,0.3,0.5&to=f:{source * 389 % faces}:0.6,0.3,0.1"
-                    answer = daemon.get(f"/v1/meshes/m{number}/path?{pair}")
-                    self.assertEqual(answer.status, 200, answer)
-                    bodies.append(answer.body)
+                    ask(name, f"f:{source * 97 % faces}:0.2,0.3,0.5", f"f:{source * 389 % faces}:0.6,0.3,0.1")
+                daemon.ask_often(name, "v:7")
+                for target in range(8):
+                    ask(name, "v:7", f"f:{target * 389 % faces}:0.6,0.3,0.1")
+            self.assertEqual(daemon.metric("cache_builds_total"), len(files))
+            self.assertEqual(daemon.metric("cache_hits_total"), 7 * len(files))
             return bodies
 
     def test_answers_are_the_same_to_the_last_bit(self):
@@ -137,7 +147,9 @@ class Service(TestCase):
 
     def test_description(self):
         service = self.daemon.get("/v1").json
-        self.assertEqual(set(service["capabilities"]["queries"]), {"distance", "path", "nearest"})
+        queries = {"distance", "path", "nearest", "matrix", "batch", "distance-to-set", "fields", "evaluate",
+                   "isolines"}
+        self.assertEqual(set(service["capabilities"]["queries"]), queries)
         self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
 
     def test_pages(self):
@@ -291,9 +303,19 @@ class Lanes(TestCase):
             self.assertFalse(slow.done(), "too fast to watch")
             self.assertEqual(slow.result().status, 200)
 
+    def assert_ended(self, counter, ask):
+        """With so little time that the work is begun, as its counter tells, but not finished."""
+        begun = self.daemon.metric(counter)
+        for timeout_ms in (3, 6, 12, 24, 48):
+            self.assert_problem(ask(f"timeout_ms={timeout_ms}"), 504, "deadline_exceeded")
+            if self.daemon.metric(counter) > begun:
+                return
+        self.fail("it was never begun")
+
     def test_deadline_of_the_work(self):
-        started = time.monotonic()
-        self.assert_problem(self.ask(300, options="&timeout_ms=3"), 504, "deadline_exceeded")
+        started, document = time.monotonic(), {"set": {"points": [{"vertex": 300}]}}
+        self.assert_ended("searches_total", lambda timeout: self.ask(300, options=f"&{timeout}"))
+        self.assert_ended("cache_builds_total", lambda timeout: self.daemon.ask("slow", f"fields?{timeout}", document))
         self.assertLess(time.monotonic() - started, 2)
 
     def test_deadline_while_waiting(self):
@@ -428,33 +450,51 @@ class Drain(unittest.TestCase):
 
 
 class Crowd(TestCase):
-    flags = ("--workers", "2", "--http-threads", "2", "--memory-budget", "64MiB", "--max-body", "4MiB")
+    flags = ("--workers", "2", "--http-threads", "2", "--memory-budget", "128MiB", "--max-body", "4MiB")
+    COUNTERS = ("cache_builds_total", "cache_hits_total", "cache_waits_total", "cache_evictions_total")
+    ALLOWED = {"PUT": {200, 201}, "GET": {200, 400, 404}, "DELETE": {204, 404}}
+
+    def setUp(self):
+        self.files = [sample("icosphere", level=4), sample("torus"), sample("grid", columns=64, rows=64)]
+        self.daemon.put("m3", sample("icosphere", level=5))  # nobody changes it: its fields stay until they are evicted
+        self.wrong, self.is_over = [], threading.Event()
+        self.counter = itertools.count()
+
+    def request(self, method, path, body=None):
+        answer = self.daemon.request(method, path, body)
+        if answer.status not in self.ALLOWED[method]:
+            self.wrong.append((method, path, answer))
+
+    def change(self, seed):
+        """Uploads, replaces and deletes."""
+        chance = random.Random(seed)
+        while not self.is_over.wait(0.05):
+            body = chance.choice([None, *self.files])
+            self.request("PUT" if body else "DELETE", f"/v1/meshes/m{chance.randrange(3)}", body)
+
+    def query(self, seed):
+        """Asks about one point so often, together with others, that a field is built and used, then about the next."""
+        chance = random.Random(seed)
+        while not self.is_over.is_set():
+            source = next(self.counter) // 50
+            self.request("GET", f"/v1/meshes/m{source % 4}/path?from=v:{source % 300}&to=v:{chance.randrange(300)}")
 
     def test_everything_at_the_same_time(self):
-        """Uploads, replacements, queries and deletions of the same few names: every answer is one that is allowed."""
-        files = [sample("icosphere", level=3), sample("torus"), sample("grid", columns=16, rows=16)]
-        allowed = {"PUT": {200, 201}, "GET": {200, 400, 404}, "DELETE": {204, 404}}
-        wrong, until = [], time.monotonic() + 3
-
-        def client(number):
-            step = number
-            while time.monotonic() < until:
-                step += 1
-                name = f"m{step % 3}"
-                method = ("PUT", "GET", "GET", "GET", "GET", "DELETE")[step % 6 if number % 2 else step % 5]
-                path = f"/v1/meshes/{name}"
-                if method == "GET":
-                    path += f"/path?from=v:{step * 7 % 300}&to=v:{step * 13 % 300}"
-                answer = self.daemon.request(method, path, files[(step // 3) % 3] if method == "PUT" else None)
-                if answer.status not in allowed[method]:
-                    wrong.append((method, path, answer))
-
-        threads = [threading.Thread(target=client, args=(number,)) for number in range(8)]
+        """Every answer is one that is allowed, while fields are built, waited for, used and evicted."""
+        enough, late = time.monotonic() + 3, time.monotonic() + PATIENCE_SECONDS
+        threads = [threading.Thread(target=self.change if number < 2 else self.query, args=(number,))
+                   for number in range(8)]
         for thread in threads:
             thread.start()
+        counts = []
+        while time.monotonic() < enough or (min(counts) == 0 and time.monotonic() < late):
+            time.sleep(0.2)
+            counts = [self.daemon.metric(name) for name in self.COUNTERS]
+        self.is_over.set()
         for thread in threads:
             thread.join()
-        self.assertEqual(wrong, [])
+        self.assertEqual(self.wrong, [])
+        self.assertGreater(min(counts), 0, dict(zip(self.COUNTERS, counts)))
 
 
 if __name__ == "__main__":

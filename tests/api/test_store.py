@@ -1,34 +1,34 @@
 """What a durable store promises: conditions, restarts, memory, a warm cache, damage, the operator's tools."""
+import concurrent.futures
+import hashlib
 import json
+import os
 import pathlib
 import shutil
+import signal
 import subprocess
-import tempfile
-import time
+import threading
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, TestCase, sample
 
 
-class Folder(unittest.TestCase):
-    """Each test has a data folder of its own."""
-
-    def setUp(self):
-        self.place = tempfile.TemporaryDirectory()
-        self.folder = pathlib.Path(self.place.name) / "data"
-
-    def tearDown(self):
-        self.place.cleanup()
-
-    def start(self, *flags):
-        return Daemon("--data-dir", str(self.folder), *flags)
-
+class Stored(Folder):
     def tool(self, *flags, folder=None):
         return subprocess.run([PROGRAM, "--data-dir", folder or self.folder, *flags], capture_output=True, text=True,
                               timeout=PATIENCE_SECONDS)
 
     def events(self, daemon):
         return [line["event"] for line in daemon.log]
+
+    def flip(self, path, at=0.5):
+        """Damages a byte of a file."""
+        content = bytearray(path.read_bytes())
+        content[int(at * len(content))] ^= 4
+        path.write_bytes(content)
+
+    def objects(self):
+        return [path for path in self.folder.glob("objects/*/*")]
 
 
 class Conditions(TestCase):
@@ -73,9 +73,8 @@ class Conditions(TestCase):
         self.assert_problem(delete("written", If_Match="*"), 404, "not_found")
 
 
-class Race(Folder):
+class Race(Stored):
     def test_one_of_many_conditional_writes_wins(self):
-        import concurrent.futures
         files = [sample("grid", columns=4 + i, rows=4) for i in range(8)]
         with self.start("--workers", "4") as daemon:
             etag = daemon.put("raced", SQUARE).headers["ETag"]
@@ -86,7 +85,7 @@ class Race(Folder):
             self.assertEqual(daemon.get("/v1/meshes/raced").json["sha256"], winner.json["sha256"])
 
 
-class Restart(Folder):
+class Restart(Stored):
     def test_everything_is_there_again(self):
         files = {"a": SQUARE, "b.c": TETRAHEDRON, "same": SQUARE, "torus": sample("torus")}
         with self.start() as daemon:
@@ -119,7 +118,6 @@ class Restart(Folder):
             self.assertIn("in use by another geodesicd", second.stderr)
 
     def test_one_load_for_all_who_ask(self):
-        import concurrent.futures
         with self.start() as daemon:
             for i in range(3):
                 daemon.put(f"m{i}", sample("icosphere", level=4 + i % 2))
@@ -144,33 +142,45 @@ class Restart(Folder):
     def test_what_was_used_most_is_loaded_first(self):
         with self.start() as daemon:
             for name in ("cold", "hot", "warm"):
-                daemon.put(name, SQUARE)
+                size = daemon.put(name, sample("icosphere", level=5)).json["memory_bytes"]
             for name, times in (("hot", 9), ("warm", 3)):
                 for _ in range(times):
                     daemon.get(f"/v1/meshes/{name}/nearest?point=p:0,0,1")
-        with self.start() as daemon:
-            until = time.monotonic() + 10
-            while daemon.metric("meshes_loaded") < 3:
-                self.assertLess(time.monotonic(), until)
-            self.assertEqual(daemon.metric("mesh_loads_total"), 3)
+        with self.start() as daemon:  # room for all
+            self.assertEqual(daemon.wait_for("mesh_loads_total", 3), 3)
+        with self.start("--memory-budget", str(37 * size // 10), "--max-body", "1MiB") as daemon:  # room to load one
+            daemon.wait_for("mesh_loads_total")
+            self.assertEqual(daemon.get("/v1/meshes/hot/nearest?point=p:0,0,1").status, 200)
+            self.assertEqual(daemon.metric("mesh_loads_total"), 1, "another one was loaded first")
+            self.assertEqual(daemon.get("/v1/meshes/warm/nearest?point=p:0,0,1").status, 200)
+            self.assertEqual(daemon.metric("mesh_loads_total"), 2, "there was room for two")
 
 
-class Memory(Folder):
+class Memory(Stored):
     def test_unused_meshes_make_room(self):
-        file = sample("icosphere", level=5)
-        with self.start("--memory-budget", "64MiB", "--max-body", "4MiB") as daemon:
+        """Those without fields first."""
+        file = sample("icosphere", level=4)
+        with self.start("--memory-budget", "32MiB", "--max-body", "4MiB") as daemon:
             size = daemon.put("m0", file).json["memory_bytes"]
-            count = 3 * (64 << 20) // size
+            daemon.ask_often("m0", "v:0")
+            daemon.get("/v1/meshes/m0/distance?from=v:0&to=v:9")
+            self.assertEqual(daemon.metric("cache_builds_total"), 1)
+            count = 3 * (32 << 20) // size
             for i in range(1, count):
                 self.assertEqual(daemon.put(f"m{i}", file).status, 201)
             self.assertGreater(daemon.metric("mesh_unloads_total"), 0)
             self.assertLess(daemon.metric("meshes_loaded"), count)
-            for i in (0, count // 2, count - 1):
+            self.assertEqual(daemon.get("/v1/meshes/m0").json["fields_cached"], 1)
+            loads = daemon.metric("mesh_loads_total")
+            self.assertEqual(daemon.get("/v1/meshes/m0/distance?from=v:0&to=v:9").status, 200)
+            self.assertEqual(daemon.metric("mesh_loads_total"), loads)
+            for i in (1, count // 2, count - 1):
                 self.assertEqual(daemon.get(f"/v1/meshes/m{i}/distance?from=v:0&to=v:9").status, 200)
+            self.assertGreater(daemon.metric("mesh_loads_total"), loads)
             self.assertEqual(daemon.metric("meshes"), count)
 
 
-class Fields(Folder):
+class Fields(Stored):
     URL = "/v1/meshes/ball/path?from=v:7&to=p:0,0,-9"
 
     def warm(self):
@@ -186,7 +196,8 @@ class Fields(Folder):
         for _ in range(2):
             with self.start("--persist-fields") as daemon:
                 self.assertEqual(daemon.get(self.URL).body, answer)
-                self.assertEqual(daemon.metric("cache_builds_total"), 0)
+                self.assertEqual(daemon.metric("searches_total"), 0)
+                self.assertGreaterEqual(daemon.metric("cache_hits_total"), 1)
                 self.assertEqual(daemon.get("/v1/meshes/ball").json["fields_cached"], 6)
                 self.assertIn('memory_bytes{class="fields"} ', daemon.get("/metrics").body.decode())
 
@@ -195,16 +206,26 @@ class Fields(Folder):
         files = sorted(self.folder.glob("fields/*/*.field"))
         self.assertEqual(len(files), 6)
         for file in files:
-            bytes_ = bytearray(file.read_bytes())
-            bytes_[len(bytes_) // 2] ^= 1
-            file.write_bytes(bytes_)
+            self.flip(file)
         with self.start("--persist-fields") as daemon:
             self.assertAlmostEqual(daemon.get(self.URL).json["distance"], json.loads(answer)["distance"], 12)
             self.assertEqual(daemon.metric("searches_total"), 1)
             self.assertEqual(self.events(daemon).count("field_discarded"), 6)
 
+    def test_what_becomes_of_the_files_later_does_no_harm(self):
+        answer = self.warm()
+        with self.start("--persist-fields") as daemon:
+            self.assertEqual(daemon.get(self.URL).body, answer)
+            for file in self.folder.glob("fields/*/*.field"):
+                os.truncate(file, 0)
+            self.assertEqual(daemon.get(self.URL).body, answer)
+            for source in range(5):
+                self.assertEqual(daemon.get(f"/v1/meshes/ball/path?from=v:{source}&to=p:0,0,-9").status, 200)
+            self.assertEqual(daemon.metric("searches_total"), 0)
+
     def test_fields_go_with_their_mesh(self):
         self.warm()
+        self.assertEqual(len(list(self.folder.glob("fields/*/*.field"))), 6)
         with self.start() as daemon:
             daemon.put("ball", SQUARE)
         with self.start("--persist-fields") as daemon:
@@ -212,17 +233,12 @@ class Fields(Folder):
             self.assertEqual(daemon.get("/v1/meshes/ball/distance?from=v:0&to=v:2").status, 200)
 
 
-class Damage(Folder):
+class Damage(Stored):
     def fill(self):
         with self.start() as daemon:
             for name, file in (("a", SQUARE), ("b", TETRAHEDRON)):
                 daemon.put(name, file)
             return {name: daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body for name in "ab"}
-
-    def flip(self, path, at=0.5):
-        bytes_ = bytearray(path.read_bytes())
-        bytes_[int(at * len(bytes_))] ^= 4
-        path.write_bytes(bytes_)
 
     def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
         answers = self.fill()
@@ -247,6 +263,31 @@ class Damage(Folder):
             self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
             self.assertEqual(daemon.put("a", SQUARE).status, 200)
 
+    def test_a_damaged_file_is_sent_again_while_its_mesh_is_in_memory(self):
+        with self.start() as daemon:
+            daemon.put("a", SQUARE)
+            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body
+            for damage in (self.flip, pathlib.Path.unlink, lambda path: os.truncate(path, 3)):
+                damage(self.objects()[0])
+                self.assertEqual(daemon.put("a", SQUARE).status, 200)
+                self.assertEqual(self.objects()[0].read_bytes(), SQUARE)
+            self.assertEqual(daemon.metric("mesh_loads_total"), 0)
+            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answer)
+
+    def test_the_same_is_sent_again_while_the_name_changes(self):
+        """The mesh in memory may have been another's by the time its file is looked at."""
+        with self.start("--workers", "2") as daemon:
+            files = (SQUARE, TETRAHEDRON)
+            with concurrent.futures.ThreadPoolExecutor(6) as pool:
+                answers = list(pool.map(lambda i: daemon.put("a", files[i // 3 % 2]), range(300)))
+            self.assertEqual({answer.status for answer in answers} - {200, 201}, set())
+            last = daemon.get("/v1/meshes/a").json
+            daemon.ask_often("a", "v:0")
+            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:1").status, 200)
+            self.assertEqual(daemon.get("/v1/meshes/a").json["fields_cached"], 1, "the shelf was closed")
+        with self.start() as daemon:
+            self.assertEqual(daemon.get("/v1/meshes/a").json["sha256"], last["sha256"])
+
     def test_a_damaged_database_is_made_again(self):
         answers = self.fill()
         for damage in (lambda path: self.flip(path, 0.01), lambda path: path.write_bytes(b"no database at all" * 300),
@@ -270,7 +311,6 @@ class Damage(Folder):
 
     def test_a_later_version_is_respected(self):
         self.fill()
-        import hashlib
         path = self.folder / "manifests/a.manifest"
         body = path.read_bytes().replace(b"geodesicd record 1\n", b"geodesicd record 2\n")
         body = body[: body.rindex(b"checksum ")]
@@ -280,10 +320,8 @@ class Damage(Folder):
         self.assertIn("later version", result.stderr)
 
 
-class Tools(Folder):
+class Tools(Stored):
     def test_backup_while_running(self):
-        import concurrent.futures
-        import threading
         copies = pathlib.Path(self.place.name)
         with self.start("--workers", "2") as daemon:
             daemon.put("kept", sample("torus"))
@@ -315,6 +353,74 @@ class Tools(Folder):
     def test_check_of_nothing(self):
         self.assertEqual(self.tool("--check-store").returncode, 1)
         self.assertFalse(self.folder.exists())
+        self.folder.mkdir()
+        check = self.tool("--check-store")
+        self.assertEqual(check.returncode, 1)
+        self.assertIn("there is no data folder", check.stdout)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def fill(self):
+        """A folder with each kind of file."""
+        with self.start("--persist-fields", "--landmarks", "2") as daemon:
+            daemon.put("ball", sample("icosphere", level=4))
+            daemon.put("square", SQUARE)
+            daemon.get("/v1/meshes/ball/distance?from=v:7&to=v:9")
+            daemon.wait_for("landmarks_built_total")
+            daemon.ask_often("square", "v:0")
+            daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
+
+    def contents(self):
+        return {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file() and not path.name.endswith("-shm")}
+
+    def test_check_changes_nothing(self):
+        self.fill()
+        for kill in (False, True):
+            daemon = self.start()
+            daemon.put("another", TETRAHEDRON)
+            if kill:
+                daemon.process.send_signal(signal.SIGKILL)
+                daemon.process.wait()
+            daemon.stop()
+            before = self.contents()
+            check = self.tool("--check-store")
+            self.assertEqual((check.returncode, check.stderr), (0, ""), check)
+            self.assertRegex(check.stdout, r"^3 manifests, 3 rows, 3 files \(\d+ bytes\), 2 fields verified: 0 faults\n$")
+            after = self.contents()
+            self.assertEqual([path for path in {*before, *after} if before.get(path) != after.get(path)], [])
+
+    def test_check_sees_every_damage(self):
+        self.fill()
+        check = self.tool("--check-store")
+        self.assertEqual(check.returncode, 0, check)
+        kept = self.folder.with_name("kept")
+        shutil.copytree(self.folder, kept)
+
+        def one(pattern):
+            return next(self.folder.glob(pattern))
+
+        damages = {
+            "a file that no mesh has": lambda: (self.folder / "objects/00").mkdir(exist_ok=True) or
+            (self.folder / "objects/00" / ("00" * 32)).write_bytes(b"not this"),
+            "a foreign file": lambda: (one("objects/*") / "notes.txt").write_bytes(b"x"),
+            "a file in another's place": lambda: one("objects/*/*").rename(self.folder / "objects" / ("0" * 64)),
+            "a foreign manifest": lambda: (self.folder / "manifests/notes.txt").write_bytes(b"x"),
+            "a field": lambda: self.flip(one("fields/*/*.field")),
+            "landmarks": lambda: self.flip(one("fields/*/*.landmarks")),
+            "an object": lambda: self.flip(one("objects/*/*")),
+            "a lost object": lambda: one("objects/*/*").unlink(),
+            "a manifest": lambda: self.flip(one("manifests/*")),
+            "a lost manifest": lambda: one("manifests/*").unlink(),
+            "the database": lambda: self.flip(self.folder / "geodesicd.db", 0),
+            "a lost database": lambda: (self.folder / "geodesicd.db").unlink(),
+        }
+        for what, damage in damages.items():
+            with self.subTest(what):
+                damage()
+                check = self.tool("--check-store")
+                self.assertEqual(check.returncode, 1, check)
+                self.assertRegex(check.stdout, r"fault: [^\n]+: [^\n]+\n(.*\n)*.* verified: [1-9]\d* faults\n$")
+                shutil.rmtree(self.folder)
+                shutil.copytree(kept, self.folder)
 
 
 if __name__ == "__main__":

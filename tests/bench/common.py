@@ -1,4 +1,5 @@
-"""What the scripts of the benchmark share: running programs that print JSON lines, tables, and where things are."""
+"""What the scripts of the benchmark share: arguments, running programs that print JSON lines, tables, and where things are."""
+import argparse
 import datetime
 import json
 import os
@@ -32,6 +33,16 @@ def run_lines(command, timeout):
         return [json.loads(line) for line in done.stdout.splitlines()]
     except ValueError:
         raise Failure(f"{text}: prints what is not JSON: {done.stdout[:200]!r}") from None
+
+
+def bench_arguments(kind):
+    """A parser of the arguments that all have; `kind` is what --only chooses among ("meshes")."""
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
+    arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
+    arguments.add_argument("--only", default="", help=f"only {kind} whose name has this in it")
+    arguments.add_argument("--quick", action="store_true", help="only check that it works")
+    return arguments
 
 
 def find_program(path):

@@ -13,7 +13,6 @@ the peer's median over ours; over 1: we are faster. `agree` is the largest relat
 distances, or between their distances of pairs.
 --quick measures next to nothing: it checks the protocol, with `ok` and `not ok` lines.
 """
-import argparse
 import os
 import pathlib
 import random
@@ -24,7 +23,7 @@ import sys
 import tempfile
 import time
 
-from common import Checks, Failure, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
 
 PEERS = ["VTP", "LIBIGL", "GEOMETRY_CENTRAL", "CGAL", "EXPERIMENT", "EXPERIMENT_SIMD", "OTHER"]
 MESHES = [
@@ -171,20 +170,16 @@ def check_protocol(bench, ours, peers, options):
 
 
 def main():
-    arguments = argparse.ArgumentParser()
-    arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
-    arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
+    arguments = bench_arguments("meshes")
     arguments.add_argument("--turns", type=int, default=5, help="alternating turns of each race")
     arguments.add_argument("--sources", type=int, default=3, help="fields a turn")
     arguments.add_argument("--pairs", type=int, default=50, help="pairs a turn; 0: fields only")
     arguments.add_argument("--pair-peers", nargs="*", default=["VTP", "OTHER"], help="peers that are raced for pairs too")
-    arguments.add_argument("--only", default="", help="only meshes whose name has this in it")
     arguments.add_argument("--peers", nargs="*", help="only these")
     arguments.add_argument("--long", action="store_true", help="meshes of more than a million faces too")
     arguments.add_argument("--patience", type=float, default=60, help="seconds after which a race begins no further turn")
     arguments.add_argument("--timeout", type=float, default=900, help="seconds that one start of a program may take")
     arguments.add_argument("--clock", choices=["wall", "cpu"], default="wall", help="cpu: processor time, for a busy machine and one thread")
-    arguments.add_argument("--quick", action="store_true")
     options = arguments.parse_args()
     bench = find_program(options.build / "gd_bench")
     ours = shlex.split(os.environ.get("OURS") or f"{shlex.quote(str(bench))} peer")

@@ -6,7 +6,6 @@ usage: tests/bench/plots.py [--build DIR] [--pin CPU] [--max-faces N] [--only WO
 Writes growth-time.svg, growth-wedges.svg, growth-bytes.svg and growth.json into the build folder. A family ends where its next mesh would
 take too long or more memory than there is. --quick: tiny meshes, `ok` and `not ok` lines.
 """
-import argparse
 import math
 import os
 import pathlib
@@ -14,7 +13,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree
 
-from common import Checks, Failure, find_program, machine, number, pin, print_table, run_lines, sample, shared, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, write_json
 
 GIB = 2**30
 MACHINE_GIB = 24  # the machine for which the largest mesh is estimated
@@ -249,12 +248,8 @@ def check_plots(bench):
 
 
 def main():
-    arguments = argparse.ArgumentParser()
-    arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
-    arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
+    arguments = bench_arguments("families")
     arguments.add_argument("--max-faces", type=int, default=300_000)
-    arguments.add_argument("--only", default="", help="only families whose name has this in it")
-    arguments.add_argument("--quick", action="store_true")
     options = arguments.parse_args()
     bench = find_program(options.build / "gd_bench")
     if options.quick:

@@ -5,11 +5,9 @@ usage: tests/bench/table.py [--build DIR] [--pin CPU] [--only WORD] [--quick]
 
 --quick measures next to nothing: it checks that every subcommand runs and prints what is promised, with `ok` and `not ok` lines.
 """
-import argparse
-import pathlib
 import sys
 
-from common import Checks, Failure, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
+from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
 
 MESHES = [
     sample("icosphere", level=5),
@@ -107,12 +105,7 @@ def check_promises(bench):
 
 
 def main():
-    arguments = argparse.ArgumentParser()
-    arguments.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build"))
-    arguments.add_argument("--pin", type=int, help="the processor to run on; the last one if not given")
-    arguments.add_argument("--only", default="", help="only meshes whose name has this in it")
-    arguments.add_argument("--quick", action="store_true")
-    options = arguments.parse_args()
+    options = bench_arguments("meshes").parse_args()
     bench = find_program(options.build / "gd_bench")
     if options.quick:
         return check_promises(bench)

@@ -1,28 +1,50 @@
 #!/usr/bin/env python3
 """A disk that fails (inject.c): after a failed fsync, at whichever call, the store takes no changes and goes on answering;
-on a full disk, at whichever write, uploads are refused, reads and deletes work, and it recovers without a restart.
+on a full disk, at whichever write, uploads are refused, reads and deletes work, and it recovers without a restart; a database that is
+made again meanwhile costs no mesh. While a slow disk is waited for, queries are answered, meshes that come and go are there or not, and the
+daemon can end.
 
     tests/fault/disk.py [--most N]      tries the first N calls (until nothing fails any more)
 """
 import argparse
+import collections
+import concurrent.futures
+import itertools
 import pathlib
+import statistics
 import sys
 import tempfile
+import threading
+import time
 
-from common import Ledger, Shimmed, build_shim, check, edges, mesh
+from common import Ledger, Shimmed, build_shim, check, edges, harness, mesh
+
+SLOW_MS = 20  # longer than any query here takes
 
 
 class Trial:
     """A daemon over a folder with two meshes, whose disk fails on order."""
 
-    def __init__(self, place, number, library):
-        self.folder, self.order = place / f"data{number}", place / f"order{number}"
-        self.order.write_text("fine")
-        self.daemon = Shimmed(self.folder, library=library,
-                              environment={"INJECT_ROOT": str(self.folder), "INJECT_ORDER": str(self.order)})
+    def __init__(self, place, number, library, *flags):
+        self.folder, self.order_file = place / f"data{number}", place / f"order{number}"
+        self.library, self.flags = library, flags
         self.wrong, self.ledger = [], Ledger()
+        self.order("fine")
+        self.start()
         for name, edge in (("a", 1.5), ("b", 2.5)):
             self.put(name, edge)
+
+    def start(self):
+        self.daemon = Shimmed(self.folder, *self.flags, library=self.library,
+                              environment={"INJECT_ROOT": str(self.folder), "INJECT_ORDER": str(self.order_file)})
+
+    def order(self, text):
+        self.order_file.write_text(text)
+
+    @property
+    def fired(self):
+        """Has the last order made a call fail?"""
+        return self.order_file.with_name(self.order_file.name + ".fired").exists()
 
     def expect(self, what, got, *allowed):
         if got not in allowed:
@@ -50,7 +72,7 @@ class Trial:
 
     def end(self):
         """After the next start everything that was acknowledged is there."""
-        self.order.write_text("fine")
+        self.order("fine")
         self.expect("exit status", self.daemon.stop(), 0)
         if (result := check(self.folder)).returncode:
             self.wrong.append(result.stdout)
@@ -67,49 +89,153 @@ def changes(trial):
 
 def try_fsync(place, number, library, call):
     trial = Trial(place, number, library)
-    trial.order.write_text(f"fsync {call}")
+    trial.order(f"fsync {call}")
     statuses = changes(trial)
-    ready = trial.daemon.get("/readyz")
-    failed = ready.json["status"] == "read_only"
+    fired, ready = trial.fired, trial.daemon.get("/readyz")
     trial.expect("readyz", ready.status, 200)
+    trial.expect("state", ready.json["status"], "read_only" if fired else "ok")
     if 507 in statuses:
-        trial.expect("after the failed fsync", (set(statuses[statuses.index(507) :]), failed), ({507}, True))
-    if failed:
+        trial.expect("after the failed fsync", set(statuses[statuses.index(507) :]), {507})
+    if fired:
         trial.expect("metric", trial.daemon.metric("store_writable"), 0)
         trial.expect("problem", trial.put("d", 1).json.get("code"), "insufficient_storage")
         trial.expect_reads("read-only")
         trial.ledger.possible.pop("d")  # it was not even tried
-    return trial.end(), failed
+    return trial.end(), fired
 
 
 def try_full(place, number, library, call):
     trial = Trial(place, number, library)
-    trial.order.write_text(f"full {call}")
+    trial.order(f"full {call}")
     status = trial.put("c", 0.75, 3000000).status
     trial.expect("upload", status, 201, 507)
     trial.expect("replacement", trial.put("a", 1.25, 3000000).status, 200, 507)
-    failed = status == 507
-    if failed:
+    fired = trial.fired
+    if status == 507:
         trial.ledger.possible.pop("c")  # nothing was changed
         trial.expect("the refused upload", trial.daemon.get("/v1/meshes/c").status, 404)
         trial.expect("metric", trial.daemon.metric("store_writable"), 1)
         trial.expect_reads("full disk")
         trial.expect("delete", trial.delete("b").status, 204)
         trial.expect("deleted", trial.daemon.get("/v1/meshes/b").status, 404)
-        trial.order.write_text("fine")
+        trial.order("fine")
         trial.expect("upload once there is room", trial.put("c", 0.75, 3000000).status, 201)
         trial.expect("ballast", (trial.folder / "ballast").exists(), True)
-    return trial.end(), failed
+    return trial.end(), fired
+
+
+def try_rebuild(place, number, library, call):
+    """The database is lost, and there is no room to make all of it again; then the meshes' bytes come and go under another name."""
+    trial = Trial(place, number, library)
+    trial.put("c", 3.5)
+    trial.daemon.stop()
+    for file in trial.folder.glob("geodesicd.db*"):
+        file.unlink()
+    trial.order(f"full {call}")
+    trial.start()
+    fired = trial.fired
+    for name, edge in list(trial.ledger.acknowledged.items()):
+        trial.expect("upload of the same", trial.put("z", edge).status, 200, 201, 507)
+        trial.expect("delete", trial.delete("z").status, 204, 404, 507)
+    return trial.end(), fired
 
 
 def run(kind, one, place, library, most, wrong):
     """Fails each call in turn until the changes end before it."""
     for call in range(1, most + 1):
-        faults, failed = one(place, f"{kind}{call}", library, call)
+        faults, fired = one(place, f"{kind}{call}", library, call)
         wrong += [f"{kind} {call}: {fault}" for fault in faults]
-        if not failed:
+        if not fired:
             return call - 1
     return most
+
+
+# --- a slow disk ----------------------------------------------------------------------------------------------------------
+
+
+def run_beside(work, count, watch):
+    """`watch` while `count` threads call `work` with their number, over and over; what it returns."""
+    stop = threading.Event()
+
+    def repeat(number):
+        while not stop.is_set():
+            work(number)
+
+    with concurrent.futures.ThreadPoolExecutor(count) as pool:
+        workers = [pool.submit(repeat, number) for number in range(count)]
+        try:
+            return watch()
+        finally:
+            stop.set()
+            for worker in workers:
+                worker.result()
+
+
+def time_searches(daemon, count):
+    connection, times = daemon.connect(), []
+    for i in range(count):
+        share = (i + 1) / (2 * count)
+        place = f"{share},{share},{1 - 2 * share}"  # others each time: a worker has to search
+        begun = time.monotonic()
+        answer = daemon.request("GET", f"/v1/meshes/ball/distance?from=f:0:{place}&to=f:9:{place}", connection=connection)
+        times.append(time.monotonic() - begun)
+        assert answer.status == 200, answer
+    return times
+
+
+def wait_for_no_disk(place, library):
+    """Queries take their time, not the disk's, however many uploads and deletes wait for it; the median in milliseconds."""
+    trial = Trial(place, "waiting", library)
+    trial.daemon.put("ball", harness.sample("icosphere", level=3))
+    trial.order(f"slow {SLOW_MS}")
+
+    def change(number):
+        trial.daemon.put(f"u{number}", mesh(1 + number / 16))
+        trial.daemon.request("DELETE", f"/v1/meshes/u{number}")
+
+    median = 1000 * statistics.median(run_beside(change, 8, lambda: time_searches(trial.daemon, 100)))
+    trial.expect(f"median of the searches beside a slow disk, {median:.1f} ms, is below one fsync's", median < SLOW_MS, True)
+    trial.order("fine")
+    trial.expect("exit status", trial.daemon.stop(), 0)
+    return trial.wrong, median
+
+
+def come_and_go(place, library):
+    """A mesh that is loaded while it is deleted or replaced is there or is not; it is never said to be damaged."""
+    files = [harness.sample("grid", columns=40 + number, rows=40) for number in range(6)]
+    trial = Trial(place, "coming", library, "--memory-budget", "4MiB", "--max-body", "1MiB")  # room for one or two
+    for number, file in enumerate(files):
+        trial.daemon.put(f"g{number}", file)
+    statuses, step = collections.Counter(), itertools.count()
+    trial.order(f"slow {SLOW_MS}")
+
+    def change(_):
+        number = next(step) % len(files)
+        trial.daemon.request("DELETE", f"/v1/meshes/g{number}")
+        trial.daemon.put(f"g{number}", files[number])
+
+    def watch():
+        for number in range(600):
+            statuses[trial.daemon.get(f"/v1/meshes/g{number % len(files)}/distance?from=v:0&to=v:1").status] += 1
+
+    run_beside(change, 1, watch)
+    trial.expect("statuses of meshes that come and go", set(statuses) - {507}, {200, 404})
+    trial.expect("meshes were loaded meanwhile", trial.daemon.metric("mesh_loads_total") > 50, True)
+    trial.order("fine")
+    trial.expect("exit status", trial.daemon.stop(), 0)
+    return trial.wrong
+
+
+def end_while_waiting(place, library):
+    """A daemon that ends while uploads wait for the disk refuses those, and keeps what it acknowledged."""
+    trial = Trial(place, "ending", library, "--drain-ms", "100")
+    trial.order(f"slow {5 * SLOW_MS}")
+    with concurrent.futures.ThreadPoolExecutor(12) as pool:
+        answers = [pool.submit(trial.put, f"u{number}", 1 + number / 16) for number in range(12)]
+        time.sleep(0.3)
+        trial.expect("exit status", trial.daemon.stop(), 0)
+    trial.expect("statuses of uploads when the daemon ends", {answer.result().status for answer in answers}, {201, 503})
+    return trial.end()
 
 
 def main():
@@ -120,13 +246,17 @@ def main():
     with tempfile.TemporaryDirectory() as text:
         place = pathlib.Path(text).resolve()
         library = build_shim("inject", place)
-        syncs = run("fsync", try_fsync, place, library, options.most, wrong)
-        writes = run("full", try_full, place, library, options.most, wrong)
+        counts = [run(kind, one, place, library, options.most, wrong)
+                  for kind, one in (("fsync", try_fsync), ("full", try_full), ("rebuild", try_rebuild))]
+        faults, median = wait_for_no_disk(place, library)
+        wrong += faults + come_and_go(place, library) + end_while_waiting(place, library)
     for fault in wrong[:20]:
         print(f"wrong: {fault}")
-    print(f"# failing disk: each of {syncs} fsyncs failed once, the disk full from each of {writes} writes on, {len(wrong)} faults")
-    print("not ok disk" if wrong or not syncs or not writes else "ok disk")
-    return 1 if wrong or not syncs or not writes else 0
+    print("# failing disk: each of {} fsyncs failed once, the disk full from each of {} writes on, and from each of {} on while the "
+          "database is made again; {:.1f} ms a search beside a slow one; {} faults".format(*counts, median, len(wrong)))
+    failed = wrong or not all(counts)
+    print("not ok disk" if failed else "ok disk")
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -3,9 +3,10 @@
  *     fsync N     the N-th fsync from now on fails, with EIO; those after it succeed, as Linux has it
  *     full N      from the N-th write from now on there is no room: what would make a file larger fails with ENOSPC, until
  *                 removed files have made room
+ *     slow N      each fsync, and each removal of a file, takes N milliseconds longer
  *     fine        nothing fails
  *
- * "From now on" begins when the order changes. */
+ * "From now on" begins when the order changes. The first failure of an order leaves a file INJECT_ORDER.fired. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -61,6 +62,23 @@ static int is_ordered(const char *kind)
     return strncmp(order, kind, strlen(kind)) == 0;
 }
 
+/* Marks that the order was carried out. */
+static void fire(void)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s.fired", getenv("INJECT_ORDER"));
+    close(open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+}
+
+/* If that is the order. */
+static void dawdle(void)
+{
+    pthread_mutex_lock(&lock);
+    long milliseconds = is_ordered("slow") ? countdown : 0;
+    pthread_mutex_unlock(&lock);
+    if (milliseconds) usleep((useconds_t)milliseconds * 1000);
+}
+
 /* --- fsync -------------------------------------------------------------------------------------------------------- */
 
 static int fails(int file)
@@ -69,7 +87,9 @@ static int fails(int file)
     pthread_mutex_lock(&lock);
     int failed = is_ordered("fsync") && --countdown == 0;
     pthread_mutex_unlock(&lock);
+    if (failed) fire();
     if (failed) errno = EIO;
+    if (!failed) dawdle();
     return failed;
 }
 
@@ -98,6 +118,7 @@ static int is_full(int file, long long end)
         if (!full) room -= growth;
     }
     pthread_mutex_unlock(&lock);
+    if (full) fire();
     if (full) errno = ENOSPC;
     return full;
 }
@@ -125,6 +146,7 @@ int unlink(const char *path)
     struct stat facts;
     int is_last = is_ours(path) && stat(path, &facts) == 0 && facts.st_nlink == 1;
     int result = real_unlink(path);
+    if (is_ours(path)) dawdle();
     if (result == 0 && is_last) {
         pthread_mutex_lock(&lock);
         if (is_ordered("full")) room += facts.st_size;

@@ -1,12 +1,15 @@
-/* Record: a library to preload, which writes down every change that a process makes to the files under RECORD_ROOT, in
- * order, into RECORD_LOG: what replay.py plays back with what was not synced left out.
+/* Record: a library to preload, which writes down every change that a process makes to the files under RECORD_ROOT,
+ * in order, into RECORD_LOG: what replay.py plays back with what was not synced left out.
  *
- * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" with SIZE bytes of data behind it. Kinds: C create file, M make folder, W write
- * at A, T truncate to A, S sync, R rename, L link, U unlink, D remove folder. Calls that fail are left out. One mutex
- * covers call and entry, so that the log has them in the order in which they happened. */
+ * An entry is a line "KIND SIZE A B [PATH] [PATH]\n" with SIZE bytes of data behind it. Kinds: C create file, M make
+ * folder, W write at A, T truncate to A, S sync, R rename, L link, U unlink, D remove folder. Calls that fail are
+ * left out. One mutex covers call and entry, so that the log has them in the order in which they happened.
+ *
+ * RECORD_KILL, if it is set, is a kind: the process is killed right after its first change of that kind. */
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,6 +66,8 @@ static void entry(char kind, long long a, const char *first, const char *second,
     if (size) memcpy(whole + head_size, data, size);
     if (real_write(log_file, whole, (size_t)head_size + size) != head_size + (ssize_t)size) abort();
     free(whole);
+    const char *end = getenv("RECORD_KILL");
+    if (end && *end == kind) raise(SIGKILL);
 }
 
 /* --- files are made ----------------------------------------------------------------------------------------------- */

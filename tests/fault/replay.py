@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Power cuts: one scenario's changes to the data folder are recorded (record.c); for each prefix of them the folder is
-made as it may be after a power cut at that moment. Then --check-store finds no fault, the daemon starts, and every change
+"""Power cuts: one scenario's changes to the data folder, through several lives of the daemon, some of which end by a kill, are recorded
+(record.c); for each prefix of them the folder is made as it may be after a power cut at that moment. Then --check-store finds no fault, the daemon starts, and every change
 that was acknowledged before is there.
 
 What is lost in a cut is what was not synced:
@@ -16,10 +16,13 @@ import pathlib
 import random
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 
-from common import Ledger, Shimmed, build_shim, check, edges, mesh
+from common import GONE, PROGRAM, Ledger, Shimmed, build_shim, check, edges, mesh
+
+DATA = "data"  # the data folder's name, in the folder that is recorded
 
 HEAD = re.compile(rb"(\w) (\d+) (-?\d+) \[(.*?)\] \[(.*?)\]\n")
 
@@ -33,23 +36,63 @@ def mark(log, text):
         file.write(b"A 0 0 [%s] []\n" % text.encode())
 
 
-def scenario(root, log, library):
-    """Creates, replacements by other and by the same contents, shared contents, deletes; a restart in the middle."""
-    steps = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b", None, 0), ("a", None, 0),
-             ("d", 2.5, 70000), ("b", 0.875, 300), None, ("c", 3.5, 0), ("a", 1.5, 0), ("d", None, 0), ("a", 4.5, 20000)]
-    environment = {"RECORD_ROOT": str(root), "RECORD_LOG": str(log)}
-    daemon = Shimmed(root, library=library, environment=environment)
-    for step in steps:
-        if step is None:
-            daemon.stop()
-            daemon = Shimmed(root, library=library, environment=environment)
-            continue
-        name, edge, padding = step
-        mark(log, f"begin {name} {edge}")
-        answer = daemon.request("DELETE", f"/v1/meshes/{name}") if edge is None else daemon.put(name, mesh(edge, padding))
+RESTART, KILL = "restart", "kill"
+STEPS = [("a", 1.5, 0), ("b", 0.75, 9000), ("a", 1.25, 0), ("c", 1.25, 0), ("b", None, 0), KILL, ("a", None, 0), ("d", 2.5, 70000),
+         ("b", 0.875, 300), RESTART, ("c", 3.5, 0), ("a", 1.5, 0), ("d", None, 0), KILL, ("a", 4.5, 20000)]
+
+
+class Scenario:
+    """Creates, replacements by other and by the same contents, shared contents, deletes; restarts and kills in between."""
+
+    def __init__(self, root, log, library):
+        self.folder, self.log, self.library = root / DATA, log, library
+        self.environment = {"RECORD_ROOT": str(root), "RECORD_LOG": str(log)}
+
+    def start(self, **environment):
+        self.daemon = Shimmed(self.folder, library=self.library, environment={**self.environment, **environment})
+
+    def die_at_the_start(self):
+        """Killed when it has made a folder whose name is not durable as yet; False: it had none to make."""
+        environment = {**os.environ, **self.environment, "LD_PRELOAD": str(self.library), "RECORD_KILL": "M"}
+        process = subprocess.Popen([PROGRAM, "--data-dir", self.folder, "--listen", "127.0.0.1:0"], env=environment,
+                                   stderr=subprocess.PIPE, text=True)
+        while (line := process.stderr.readline()) and '"listening"' not in line:
+            pass
+        process.kill()
+        process.wait()
+        process.stderr.close()
+        return not line
+
+    def change(self, name, edge, padding):
+        mark(self.log, f"begin {name} {edge}")
+        answer = self.daemon.request("DELETE", f"/v1/meshes/{name}") if edge is None else self.daemon.put(name, mesh(edge, padding))
         assert answer.status in (200, 201, 204), answer
-        mark(log, f"end {name} {edge}")
-    daemon.stop()
+        mark(self.log, f"end {name} {edge}")
+
+    def change_twice(self, name, edge):
+        """Killed when it has made the folder of the mesh's bytes; the next life takes them again."""
+        self.daemon.stop()
+        self.start(RECORD_KILL="M")
+        try:
+            self.change(name, edge, 0)
+            raise AssertionError("the folder was there already")
+        except GONE:
+            self.daemon.kill()
+        self.start()
+        self.change(name, edge, 0)
+
+    def run(self):
+        while self.die_at_the_start():
+            pass
+        self.start()
+        for step in STEPS:
+            if isinstance(step, tuple):
+                self.change(*step)
+                continue
+            self.daemon.stop() if step == RESTART else self.daemon.kill()
+            self.start()
+        self.change_twice("e", 5.5)
+        self.daemon.stop()
 
 
 def read_log(log):
@@ -170,10 +213,11 @@ def trial(disk, ledger, place, lost, chance):
     """What is wrong after a cut at this moment."""
     folder = place / "cut"
     disk.write(folder, lost, chance)
-    result = check(folder)
-    wrong = [result.stdout] if result.returncode else []
+    wrong = []
+    if ledger.acknowledged and (result := check(folder / DATA)).returncode:  # before there need not be a whole data folder
+        wrong.append(result.stdout)
     try:
-        daemon = Shimmed(folder)
+        daemon = Shimmed(folder / DATA)
         wrong += ledger.faults(edges(daemon))
         daemon.kill()
     except RuntimeError as failure:
@@ -191,9 +235,9 @@ def main():
     chance, ledger, wrong, cuts, prefixes = random.Random(options.seed), Ledger(), [], 0, 0
     with tempfile.TemporaryDirectory() as text:
         place = pathlib.Path(os.path.realpath(text))
-        root, log = place / "data", place / "log"
+        root, log = place / "recorded", place / "log"
         root.mkdir()
-        scenario(root, log, build_shim("record", place))
+        Scenario(root, log, build_shim("record", place)).run()
         entries = read_log(log)
         disk = Disk(root)
         for number, (kind, at, first, second, data) in enumerate(entries):

@@ -1,4 +1,5 @@
 /* Fuzzes field images as they lie in the store. What is opened is asked everywhere; no answer may lead outside of the image. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "gd/field.h"
@@ -35,10 +36,15 @@ static void ask_everywhere(const struct gd_field *field)
             struct gd_point point;
             double distance;
             struct gd_path path;
+            struct gd_vec3 gradient;
+            uint32_t seed;
             patched_require(gd_point_in_face(patched_surface(), (struct gd_face){face}, places[i], &point, NULL) ==
                             GD_OK);
             if (gd_field_distance(field, &point, &distance) == GD_OK && gd_field_path(field, &point, &path) == GD_OK)
                 gd_path_free(&path);
+            if (gd_field_nearest(field, &point, &distance, &seed) == GD_OK && isfinite(distance))
+                patched_require(seed < gd_field_seed_count(field));
+            if (gd_field_gradient(field, &point, &gradient) == GD_OK) patched_require(!isinf(gradient.x));
         }
     }
     for (uint32_t a = 0; a < 9; a++) { /* every edge, in both directions: its chunks are merged */

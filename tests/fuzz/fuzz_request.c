@@ -1,5 +1,5 @@
-/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the rest is its input. A request that is taken is
- * located on a mesh and answered; the answer must be JSON again. */
+/* Fuzzes what decodes requests, and the answers behind it. The first byte picks the decoder, the rest is its input.
+ * A request that is taken is located on a mesh and answered; the answer must be JSON again. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,9 @@
 #include "gd/mesh.h"
 #include "gd/query.h"
 #include "proto/accept.h"
+#include "proto/batch.h"
 #include "proto/decode.h"
+#include "proto/matrix.h"
 #include "proto/mesh.h"
 #include "proto/pair.h"
 #include "proto/point.h"
@@ -46,17 +48,20 @@ static void require_sentence(const struct proto_problem *problem)
     proto_writer_free(&writer);
 }
 
-static void answer(const struct proto_pair *pair)
+/* Answers the first leg; the stops are used up. */
+static void answer(struct proto_points *stops)
 {
-    struct proto_located_pair located;
+    struct proto_located_points located;
     struct proto_problem problem;
     struct gd_pair_answer result;
     struct proto_writer writer;
-    if (!proto_pair_locate(cube(), pair, &located, &problem)) {
+    bool is_located = proto_points_locate(cube(), stops, &located, &problem);
+    proto_points_free(stops);
+    if (!is_located) {
         require_sentence(&problem);
         return;
     }
-    require(gd_pair_solve(cube(), &located.from, &located.to, true, NULL, NULL, &result, NULL) == GD_OK);
+    require(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result, NULL) == GD_OK);
     require(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
     proto_writer_init(&writer, 1 << 20);
@@ -66,30 +71,60 @@ static void answer(const struct proto_pair *pair)
     json_decref(back);
     proto_writer_free(&writer);
     gd_pair_answer_free(&result);
+    proto_located_points_free(&located);
 }
 
 static void fuzz_document(const char *text, size_t size)
 {
     struct proto_problem problem;
-    struct proto_pair pair;
+    struct proto_points stops;
     json_t *document = proto_decode_document(text, size, &problem);
-    if (document && proto_pair_decode(document, &pair, &problem))
-        answer(&pair);
+    if (document && proto_pair_decode(document, &stops, &problem))
+        answer(&stops);
     else
         require_sentence(&problem);
     json_decref(document);
 }
 
-static void fuzz_compact_point(const char *text)
+/* Compact points with semicolons between them. */
+static void fuzz_compact_points(const char *text)
 {
     struct proto_problem problem;
-    struct proto_pair pair;
-    if (proto_point_parse(text, "from", &pair.from, &problem)) {
-        pair.to = pair.from;
-        answer(&pair);
-    } else {
-        require_sentence(&problem);
+    struct proto_points stops = {0};
+    if (proto_points_parse(&stops, text, "via", PROTO_PAIR_VIA, &problem) &&
+        proto_points_parse(&stops, "v:0", "to", 1, &problem)) {
+        answer(&stops);
+        return;
     }
+    require_sentence(&problem);
+    proto_points_free(&stops);
+}
+
+/* Each line of a batch is taken or has a problem, and what is written about it is JSON. */
+static void fuzz_batch(const char *text, size_t size)
+{
+    struct proto_batch_line line = {0};
+    struct proto_problem problem;
+    while (proto_batch_next(text, size, &line)) {
+        struct proto_batch_query query;
+        require(line.size > 0 && line.end <= size);
+        if (proto_batch_decode(&line, &query, &problem))
+            proto_batch_query_free(&query);
+        else
+            require_sentence(&problem);
+    }
+}
+
+static void fuzz_matrix(const char *text, size_t size)
+{
+    struct proto_problem problem;
+    struct proto_matrix matrix;
+    json_t *document = proto_decode_document(text, size, &problem);
+    if (document && proto_matrix_decode(document, &matrix, &problem))
+        proto_matrix_free(&matrix);
+    else
+        require_sentence(&problem);
+    json_decref(document);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -100,18 +135,24 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(text, data + 1, size - 1);
     text[size - 1] = '\0';
     struct proto_problem problem;
-    switch (data[0] % 4) {
+    switch (data[0] % 6) {
     case 0:
         fuzz_document(text, size - 1);
         break;
     case 1:
-        fuzz_compact_point(text);
+        fuzz_compact_points(text);
         break;
     case 2:
         require(proto_accept_quality(text, "application/json") <= 1000);
         break;
     case 3:
         if (!proto_mesh_name_check(text, size - 1, &problem)) require_sentence(&problem);
+        break;
+    case 4:
+        fuzz_batch(text, size - 1);
+        break;
+    case 5:
+        fuzz_matrix(text, size - 1);
         break;
     }
     free(text);

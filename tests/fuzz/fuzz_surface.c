@@ -1,5 +1,5 @@
 /* Fuzzes the geometry: any small soup of polygons is refused by name, or becomes a surface on which distances and paths keep their laws. The
- * bytes are vertex coordinates on a coarse lattice (so that ties, flats and folds abound) and faces. */
+ * bytes are vertex coordinates on a coarse lattice (so that ties, flats and folds abound), faces, and what is to be mended before. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -7,7 +7,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-enum { MOST_VERTICES = 24, MOST_FACES = 40 };
+enum { MOST_VERTICES = 24, MOST_FACES = 40, LEAST_VERTICES = 3, COUNTS = MOST_VERTICES - LEAST_VERTICES + 1 };
 
 static void require(int promise)
 {
@@ -18,6 +18,7 @@ struct soup {
     double positions[MOST_VERTICES][3];
     uint32_t corners[4 * MOST_FACES], first[MOST_FACES + 1];
     uint32_t vertices, faces;
+    struct gd_mesh_options options;
 };
 
 static uint8_t next(const uint8_t **data, size_t *size)
@@ -29,8 +30,11 @@ static uint8_t next(const uint8_t **data, size_t *size)
 
 static void read_soup(const uint8_t *data, size_t size, struct soup *soup)
 {
-    soup->vertices = 3 + next(&data, &size) % (MOST_VERTICES - 2);
+    uint8_t first = next(&data, &size), mend = first / COUNTS;
+    soup->vertices = LEAST_VERTICES + first % COUNTS;
     double scale = ldexp(1, (int)(int8_t)next(&data, &size)), squeeze = ldexp(1, -(next(&data, &size) % 24));
+    soup->options = (struct gd_mesh_options){
+        .repair_split = mend & 1, .weld = mend & 2, .weld_tolerance = mend & 4 ? 0.125 * scale : 0};
     for (uint32_t v = 0; v < soup->vertices; v++)
         for (int k = 0; k < 3; k++)
             soup->positions[v][k] = (int8_t)next(&data, &size) * 0.125 * scale * (k == 2 ? squeeze : 1);
@@ -45,7 +49,8 @@ static void read_soup(const uint8_t *data, size_t size, struct soup *soup)
 
 static struct gd_point some_point(const struct gd_mesh *mesh, uint32_t seed)
 {
-    uint32_t face = seed % gd_mesh_summary(mesh)->faces;
+    uint32_t faces = gd_mesh_summary(mesh)->face_index_count, face = seed % faces;
+    while (!gd_mesh_has_face(mesh, (struct gd_face){face})) face = (face + 1) % faces;
     double a = (seed >> 8) % 5 / 4.0, b = (1 - a) * ((seed >> 16) % 5 / 4.0);
     struct gd_point point;
     require(gd_point_in_face(mesh, (struct gd_face){face}, (double[3]){a, b, 1 - a - b}, &point, NULL) == GD_OK);
@@ -91,11 +96,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                    .first = soup.first};
     struct gd_mesh *mesh;
     struct gd_detail detail = {.text = ""};
-    enum gd_status status = gd_mesh_build(&polygons, NULL, NULL, &mesh, &detail);
+    enum gd_status status = gd_mesh_build(&polygons, &soup.options, NULL, &mesh, &detail);
     if (status) {
         require(detail.text[0] != '\0' && status != GD_INTERNAL);
         return 0;
     }
+    require(gd_mesh_repair(mesh)->largest_shift >= 0 && isfinite(gd_mesh_repair(mesh)->largest_shift));
     uint32_t seed = 0;
     for (size_t i = 0; i < size; i++) seed = seed * 31 + data[i];
     check_laws(mesh, seed);

@@ -1,5 +1,5 @@
 /* Pruned searches against whole fields: a pair's distance and path from nothing, with and without landmarks, must be the field's. GD_PAIRS in the
- * environment says how many pairs are tried in all (2,000). */
+ * environment says how many pairs are tried in all (2,200). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -79,7 +79,7 @@ static void pruned_is_unpruned(void **state)
 {
     (void)state;
     const char *wish = getenv("GD_PAIRS");
-    uint32_t pairs = (wish ? (uint32_t)strtoul(wish, NULL, 10) : 2000) / 10;
+    uint32_t pairs = (wish ? (uint32_t)strtoul(wish, NULL, 10) : 2200) / 11;
     struct gd_polygons polygons, part;
     check_ok(sample_icosphere(3, 1, &polygons), NULL);
     check_mesh("icosphere", &polygons, pairs);
@@ -106,6 +106,14 @@ static void pruned_is_unpruned(void **state)
     check_ok(sample_append(&polygons, &part), NULL);
     gd_polygons_free(&part);
     check_mesh("two components, one tiny and far away", &polygons, pairs);
+    check_ok(sample_icosphere(1, 1, &polygons), NULL);
+    check_ok(sample_terrain(8, 0.5, 3, &part), NULL);
+    for (uint32_t i = 0; i < part.position_count; i++)
+        for (int axis = 0; axis < 3; axis++) part.positions[i][axis] *= 1e-42;
+    for (uint32_t i = 0; i < polygons.position_count; i++) polygons.positions[i][0] += 3;
+    check_ok(sample_append(&polygons, &part), NULL);
+    gd_polygons_free(&part);
+    check_mesh("two components, one smaller than floats tell", &polygons, pairs);
 }
 
 int main(void)

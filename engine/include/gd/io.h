@@ -16,6 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/control.h"
 #include "gd/polygons.h"
 #include "gd/status.h"
 
@@ -49,13 +50,14 @@ enum gd_format gd_format_recognise(const void *bytes, size_t size);
 struct gd_read_limits {
     uint32_t
         max_faces; /* triangles after triangulation (a polygon of n corners counts n - 2); 0, or more than 2^30: 2^30 */
-    uint32_t max_vertices; /* 0, or more than 2^30: 2^30 */
+    uint32_t max_vertices;            /* 0, or more than 2^30: 2^30 */
+    const struct gd_control *control; /* borrowed for the call, NULL: none; its budget is not looked at */
 };
 
 /* Reads a mesh file. `bytes` are borrowed for the call, `limits` may be NULL, `detail` may be NULL; the caller frees `*out` by
  * gd_polygons_free. Thread-safe; time linear in `size` (STL: expected linear, a hash welds equal corners).
  * Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX, GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes at all),
- * GD_TOO_LARGE, GD_NO_MEMORY. The detail names the line; the byte in binary files and in JSON, which is often one long line. A face may
+ * GD_TOO_LARGE, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; the byte in binary files and in JSON, which is often one long line. A face may
  * still repeat a vertex: that is for the mesh builder to refuse by name. */
 GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format format,
                                             const struct gd_read_limits *limits, struct gd_polygons *out,

@@ -16,8 +16,8 @@
 
 #include "gd/field.h"
 
-/* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run backwards). Angles and (u, v) are in the frame of the face's plane whose origin is the
- * face's corner 0 and whose x axis points to its corner 1 (gd_mesh_corners). */
+/* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run backwards). Angles and (u, v) are in the frame of the
+ * face's plane whose origin is the face's corner 0 and whose x axis points to its corner 1 (gd_mesh_corners). */
 struct gd_isoline_arc {
     struct gd_face face;
     double u, v, radius; /* the caller's unit */
@@ -43,6 +43,7 @@ struct gd_isoline {
     struct gd_isoline_line *lines; /* open ones first */
     struct gd_isoline_arc *arcs;
     struct gd_point *points;
+    size_t bytes; /* of the arrays */
 };
 
 /* Traces the isoline of a level >= 0. `control` may be NULL. The caller frees `*out` by gd_isoline_free.
@@ -59,9 +60,12 @@ void gd_isoline_arc_axes(const struct gd_mesh *mesh, const struct gd_isoline_arc
                          struct gd_vec3 *y);
 
 /* A line as a polyline, nowhere farther than `tolerance` > 0 (a length) from its arcs, of at most 1024 segments an arc; it keeps the line's points, has
- * more of them on the arcs, and ends in its first point when the line is closed. The length is that of the polyline. The caller frees `*out` by
- * gd_path_free. Errors: GD_INVALID_ARGUMENT (the tolerance), GD_NO_MEMORY. O(points). */
+ * more of them on the arcs, and ends in its first point when the line is closed. The length is that of the polyline. `control` may be NULL. The
+ * caller frees `*out` by gd_path_free. Errors: GD_INVALID_ARGUMENT (the tolerance), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. O(points). */
 GD_MUST_USE enum gd_status gd_isoline_flatten(const struct gd_mesh *mesh, const struct gd_isoline_line *line,
-                                              double tolerance, struct gd_path *out);
+                                              double tolerance, const struct gd_control *control, struct gd_path *out);
+
+/* How many points that polyline has. O(arcs). */
+uint64_t gd_isoline_flat_points(const struct gd_isoline_line *line, double tolerance);
 
 #endif

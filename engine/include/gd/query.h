@@ -20,7 +20,8 @@ GD_MUST_USE enum gd_status gd_pair_from_field(const struct gd_field *field, cons
                                               const struct gd_point *to, bool want_path, struct gd_pair_answer *out);
 
 /* Point to point from nothing: propagates only what can lie on a shortest path. `landmarks` of this mesh narrow the search, NULL: none; the answer is
- * the same. Errors: those of gd_field_build. Cost: a small part of a field's; with a workspace in `control`, nothing that grows with the mesh. */
+ * the same. Points of different components: INFINITY, at once. Errors: those of gd_field_build. Cost: a small part of a field's; with a workspace in
+ * `control`, nothing that grows with the mesh. */
 GD_MUST_USE enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from,
                                          const struct gd_point *to, bool want_path,
                                          const struct gd_landmarks *landmarks, const struct gd_control *control,

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "gd/isoline.h"
 #include "gd/locate.h"
@@ -60,8 +61,9 @@ static double check_line(const struct gd_field *field, const struct gd_isoline_l
     }
     check_close(line->length, length, 1e-12);
     struct gd_path path;
-    check_ok(gd_isoline_flatten(mesh, line, 1e-3 * level, &path), NULL);
+    check_ok(gd_isoline_flatten(mesh, line, 1e-3 * level, NULL, &path), NULL);
     assert_true(path.count >= line->arc_count + 1);
+    assert_int_equal(path.count, gd_isoline_flat_points(line, 1e-3 * level));
     assert_true(path.length <= line->length * (1 + promise));
     assert_true(gd_point_equal(&path.points[0], &line->points[0]));
     for (uint32_t i = 0; i < path.count; i++) worst = fmax(worst, misfit(field, &path.points[i], level));
@@ -530,16 +532,70 @@ static void what_is_refused(void **state)
     assert_true(zero.line_count == 0 && far.line_count == 0 && a.line_count == 1 && b.line_count == 1);
     check_close(a.lines[0].length, b.lines[0].length, 1e-12);
     struct gd_path path;
-    assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 0, &path), GD_INVALID_ARGUMENT);
-    check_ok(gd_isoline_flatten(mesh, &a.lines[0], 1e-9, &path), NULL);
+    assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 0, NULL, &path), GD_INVALID_ARGUMENT);
+    check_ok(gd_isoline_flatten(mesh, &a.lines[0], 1e-9, NULL, &path), NULL);
     check_close(path.length, a.lines[0].length, 1e-7);
     gd_path_free(&path);
+    assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 1, &late, &path), GD_DEADLINE);
+    assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 1, &cancel, &path), GD_CANCELLED);
+    assert_int_equal(gd_isoline_flatten(mesh, &a.lines[0], 1, &poor, &path), GD_BUDGET);
     gd_isoline_free(&zero);
     gd_isoline_free(&far);
     gd_isoline_free(&a);
     gd_isoline_free(&b);
     gd_field_release(whole);
     gd_field_release(partial);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* --- control ------------------------------------------------------------------------------------------------------------- */
+
+static double cpu_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+struct watch {
+    uint32_t calls, most; /* cancels at call number `most` */
+    double fraction;
+};
+
+static bool watch(void *user, double fraction)
+{
+    struct watch *seen = user;
+    assert_true(fraction >= seen->fraction && fraction <= 1);
+    seen->fraction = fraction;
+    return ++seen->calls != seen->most;
+}
+
+/* Once in a millisecond on the average, with a part done that grows; and whichever call says no, it ends. */
+static void it_asks_its_control(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_icosphere(6, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {0.2, 0.3, 0.5}})};
+    struct gd_field *field = field_of(mesh, &seed, 1, 0);
+    struct watch whole = {0};
+    struct gd_control control = {.progress = watch, .user = &whole};
+    struct gd_isoline isoline;
+    double begun = cpu_ms();
+    check_ok(gd_isoline_trace(field, 1.5, &control, &isoline), NULL);
+    double took = cpu_ms() - begun;
+    print_message("# %u looks at the control in %.1f ms\n", whole.calls, took);
+    assert_true(whole.calls >= 3 && whole.calls >= took);
+    gd_isoline_free(&isoline);
+    for (uint32_t most = 1; most <= whole.calls; most += 1 + whole.calls / 20) {
+        struct watch part = {.most = most};
+        control.user = &part;
+        assert_int_equal(gd_isoline_trace(field, 1.5, &control, &isoline), GD_CANCELLED);
+        assert_int_equal(part.calls, most);
+    }
+    gd_field_release(field);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
 }
@@ -551,7 +607,7 @@ int main(void)
         cmocka_unit_test(circles_about_an_apex), cmocka_unit_test(two_seeds_in_the_plane),
         cmocka_unit_test(loops_within_one_face), cmocka_unit_test(on_a_cube),
         cmocka_unit_test(on_any_surface),        cmocka_unit_test(on_degenerate_shapes),
-        cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(what_is_refused),       cmocka_unit_test(it_asks_its_control),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

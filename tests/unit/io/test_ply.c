@@ -73,7 +73,7 @@ static const struct good_input good[] = {
      TRIANGLE_MESH},
 };
 
-static const struct bad_input bad[] = {
+static const struct bad_input bad_headers[] = {
     {BYTES("plx\n"), GD_SYNTAX, 1, "the word ply"},
     {BYTES("ply"), GD_SYNTAX, 1, NULL},
     {BYTES("ply\n"), GD_TRUNCATED, 2, NULL},
@@ -112,6 +112,9 @@ static const struct bad_input bad[] = {
     {BYTES(LITTLE "element vertex 99999999999999999999999\n" XYZ("double") FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
     {BYTES(LITTLE "element vertex 768614336404564651\n" XYZ("double") FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
     {BYTES(LITTLE "element x 4000000000\nproperty list uchar int y\n" VERTEX FACE END "abcdef"), GD_TRUNCATED, 0, NULL},
+};
+
+static const struct bad_input bad_text[] = {
     {BYTES(HEADER "0 0\n1 0 0\n0 1 0\n3 0 1 2  \n"), GD_SYNTAX, 10, "the line ends"},
     {BYTES(HEADER "0 0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 10, "found '0' where the end of the line"},
     {BYTES(HEADER "0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n"), GD_SYNTAX, 11, "'x'"},
@@ -129,6 +132,9 @@ static const struct bad_input bad[] = {
     {BYTES(HEADER POSITIONS "nan 0 1 2\n"), GD_SYNTAX, 13, NULL},
     {BYTES(HEADER POSITIONS "5000000000 0 1 2\n"), GD_SYNTAX, 13, NULL},
     {BYTES(HEADER POSITIONS "4 0 1 2"), GD_TRUNCATED, 13, NULL},
+};
+
+static const struct bad_input bad_binary[] = {
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\4" O4 O4 O4), GD_TRUNCATED, 0, "within a record"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\2" O4 O4 O4), GD_SYNTAX, 0, "2 corners"},
     {BYTES(LITTLE VERTEX FACE END LITTLE_POSITIONS "\3" O4 O4 "\3\0\0\0"), GD_INDEX, 0,
@@ -148,10 +154,22 @@ static void reads_good_input(void **state)
     check_good(GD_FORMAT_PLY, good, COUNT_OF(good));
 }
 
-static void refuses_bad_input(void **state)
+static void refuses_bad_headers(void **state)
 {
     (void)state;
-    check_bad(GD_FORMAT_PLY, bad, COUNT_OF(bad));
+    check_bad(GD_FORMAT_PLY, bad_headers, COUNT_OF(bad_headers));
+}
+
+static void refuses_bad_text(void **state)
+{
+    (void)state;
+    check_bad(GD_FORMAT_PLY, bad_text, COUNT_OF(bad_text));
+}
+
+static void refuses_bad_binary(void **state)
+{
+    (void)state;
+    check_bad(GD_FORMAT_PLY, bad_binary, COUNT_OF(bad_binary));
 }
 
 static void survives_truncation(void **state)
@@ -189,10 +207,9 @@ static void bounds_the_header(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_good_input),
-        cmocka_unit_test(refuses_bad_input),
-        cmocka_unit_test(survives_truncation),
-        cmocka_unit_test(bounds_the_header),
+        cmocka_unit_test(reads_good_input),    cmocka_unit_test(refuses_bad_headers),
+        cmocka_unit_test(refuses_bad_text),    cmocka_unit_test(refuses_bad_binary),
+        cmocka_unit_test(survives_truncation), cmocka_unit_test(bounds_the_header),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,3 +1,4 @@
+#include "tests/samples/samples.h"
 #include "tests/unit/io/reading.h"
 
 static enum gd_status read_text(const char *text, enum gd_format format, const struct gd_read_limits *limits,
@@ -41,6 +42,13 @@ static const char *const meshes[] = {
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 2 0 0\nendloop\nendfacet\nendsolid\n",
 };
 
+static enum gd_status read_within(enum gd_format format, enum gd_format named, uint32_t faces, uint32_t vertices,
+                                  struct gd_detail *detail)
+{
+    return read_text(meshes[format], named, &(struct gd_read_limits){.max_faces = faces, .max_vertices = vertices},
+                     detail);
+}
+
 /* Limits are met exactly and passed by one, in every format, whether recognised or named. */
 static void keeps_the_limits(void **state)
 {
@@ -50,15 +58,14 @@ static void keeps_the_limits(void **state)
             enum gd_format named = any ? GD_FORMAT_ANY : format;
             struct gd_detail detail = {.text = ""};
             assert_int_equal(read_text(meshes[format], named, NULL, &detail), GD_OK);
-            assert_int_equal(read_text(meshes[format], named, &(struct gd_read_limits){5, 6}, &detail), GD_OK);
-            assert_int_equal(read_text(meshes[format], named, &(struct gd_read_limits){UINT32_MAX, UINT32_MAX}, NULL),
-                             GD_OK);
+            assert_int_equal(read_within(format, named, 5, 6, &detail), GD_OK);
+            assert_int_equal(read_within(format, named, UINT32_MAX, UINT32_MAX, NULL), GD_OK);
             assert_string_equal(detail.text, "");
-            assert_int_equal(read_text(meshes[format], named, &(struct gd_read_limits){4, 0}, &detail), GD_TOO_LARGE);
+            assert_int_equal(read_within(format, named, 4, 0, &detail), GD_TOO_LARGE);
             assert_non_null(strstr(detail.text, "more than 4 triangles"));
-            assert_int_equal(read_text(meshes[format], named, &(struct gd_read_limits){0, 5}, &detail), GD_TOO_LARGE);
+            assert_int_equal(read_within(format, named, 0, 5, &detail), GD_TOO_LARGE);
             assert_non_null(strstr(detail.text, "more than 5 vertices"));
-            assert_int_equal(read_text(meshes[format], named, &(struct gd_read_limits){1, 1}, NULL), GD_TOO_LARGE);
+            assert_int_equal(read_within(format, named, 1, 1, NULL), GD_TOO_LARGE);
         }
     }
 }
@@ -67,7 +74,7 @@ static void keeps_the_limits(void **state)
 static void refuses_declared_counts(void **state)
 {
     (void)state;
-    struct gd_read_limits limits = {2, 5};
+    struct gd_read_limits limits = {.max_faces = 2, .max_vertices = 5};
     assert_int_equal(
         read_text("OFF\n6 0 0\nx x x x x x x x x x x x x x x x x x x x x x x x", GD_FORMAT_OFF, &limits, NULL),
         GD_TOO_LARGE);
@@ -108,13 +115,99 @@ static void grows_with_the_input(void **state)
     free(text);
 }
 
+/* --- control ------------------------------------------------------------------------------------------------------ */
+
+/* Lets a call go on for so many looks. */
+struct watch {
+    size_t looks, allowed;
+    double last;
+};
+
+static bool on_progress(void *user, double fraction)
+{
+    struct watch *watch = user;
+    assert_true(fraction >= watch->last && fraction <= 1);
+    watch->last = fraction;
+    return watch->looks++ < watch->allowed;
+}
+
+static enum gd_status read_watched(const char *bytes, size_t size, struct watch *watch, uint64_t deadline_ns)
+{
+    const struct gd_control control = {.progress = on_progress, .user = watch, .deadline_ns = deadline_ns};
+    struct gd_polygons polygons = {0};
+    enum gd_status status =
+        read_copy(bytes, size, GD_FORMAT_ANY, &(struct gd_read_limits){.control = &control}, &polygons, NULL);
+    if (status != GD_OK) assert_null(polygons.positions);
+    gd_polygons_free(&polygons);
+    return status;
+}
+
+/* The control is looked at all along the input, which can be ended anywhere. */
+static void check_control(const char *bytes, size_t size)
+{
+    struct watch whole = {.allowed = SIZE_MAX}, half = {0}, late = {.allowed = SIZE_MAX};
+    assert_int_equal(read_watched(bytes, size, &whole, 0), GD_OK);
+    assert_in_range(whole.looks, size / 100000, size / 10000);
+    assert_true(whole.last > 0.8);
+    half.allowed = whole.looks / 2;
+    assert_int_equal(read_watched(bytes, size, &half, 0), GD_CANCELLED);
+    assert_int_equal(half.looks, half.allowed + 1);
+    assert_int_equal(read_watched(bytes, size, &late, 1), GD_DEADLINE);
+    assert_int_equal(late.looks, 0);
+}
+
+static void obeys_its_control(void **state)
+{
+    (void)state;
+    struct gd_polygons sphere;
+    assert_int_equal(sample_icosphere(6, 1, &sphere), GD_OK);
+    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++) {
+        char *bytes;
+        size_t size;
+        assert_int_equal(gd_write_polygons(&sphere, format, &bytes, &size), GD_OK);
+        check_control(bytes, size);
+        free(bytes);
+    }
+    gd_polygons_free(&sphere);
+}
+
+/* So often the same, between a beginning and an end. */
+static void check_control_of_skipped(const char *begin, const char *repeated, const char *end)
+{
+    enum { TIMES = 200000 };
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    fputs(begin, stream);
+    for (int i = 0; i < TIMES; i++) fputs(repeated, stream);
+    fputs(end, stream);
+    fclose(stream);
+    check_control(text, size);
+    free(text);
+}
+
+static void obeys_its_control_in_what_it_skips(void **state)
+{
+    (void)state;
+    static const char vertices[] =
+        "element vertex 3\nproperty int x\nproperty int y\nproperty int z\nelement face 1\nproperty list int int "
+        "vertex_indices\nend_header\n";
+    static const char triangle[] = "\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    char records[500], list[500];
+    snprintf(records, sizeof records, "ply\nformat ascii 1.0\nelement dust 200000\nproperty float w\n%s", vertices);
+    snprintf(list, sizeof list, "ply\nformat ascii 1.0\nelement dust 1\nproperty list int int w\n%s200000", vertices);
+    check_control_of_skipped("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "vn 0.125 0.5 0.25\n", "");
+    check_control_of_skipped(records, "0.125 \n", triangle + 1);
+    check_control_of_skipped(list, " 12345", triangle);
+    check_control_of_skipped("", "solid a\nendsolid a\n", meshes[GD_FORMAT_STL]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_what_is_no_mesh),
-        cmocka_unit_test(keeps_the_limits),
-        cmocka_unit_test(refuses_declared_counts),
-        cmocka_unit_test(grows_with_the_input),
+        cmocka_unit_test(refuses_what_is_no_mesh), cmocka_unit_test(keeps_the_limits),
+        cmocka_unit_test(refuses_declared_counts), cmocka_unit_test(grows_with_the_input),
+        cmocka_unit_test(obeys_its_control),       cmocka_unit_test(obeys_its_control_in_what_it_skips),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

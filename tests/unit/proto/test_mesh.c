@@ -2,8 +2,7 @@
 
 #include "proto/mesh.h"
 
-/* --- name
- * --------------------------------------------------------------------------------------------------------------- */
+/* --- name --------------------------------------------------------------------------------------------------------- */
 
 static bool is_name(const char *name)
 {
@@ -29,52 +28,40 @@ static void checks_names(void **state)
     assert_false(proto_mesh_name_check("a\0b", 3, &problem));
 }
 
-/* --- upload
- * ------------------------------------------------------------------------------------------------------------- */
+/* --- upload ------------------------------------------------------------------------------------------------------- */
+
+static void assert_options(struct proto_parameters parameters, const struct proto_mesh_options *expected)
+{
+    struct proto_mesh_options options;
+    struct proto_problem problem;
+    assert_true(proto_mesh_options_parse(&parameters, &options, &problem));
+    assert_int_equal(options.format, expected->format);
+    assert_int_equal(options.build.refuse_polygons, expected->build.refuse_polygons);
+    assert_int_equal(options.build.repair_split, expected->build.repair_split);
+    assert_int_equal(options.build.weld, expected->build.weld);
+    assert_true(options.build.weld_tolerance == expected->build.weld_tolerance);
+}
+
+#define OPTIONS(...) (&(struct proto_mesh_options){__VA_ARGS__})
 
 static void reads_upload_options(void **state)
 {
     (void)state;
-    struct proto_mesh_options options, other;
-    struct proto_problem problem;
-    struct proto_parameters parameters = NO_QUERY;
-    assert_true(proto_mesh_options_parse(&parameters, &options, &problem));
-    assert_true(options.format == GD_FORMAT_ANY && !options.build.refuse_polygons);
-    parameters = QUERY("format", "stl", "triangulate", "false", "repair", "none");
-    assert_true(proto_mesh_options_parse(&parameters, &other, &problem));
-    assert_true(other.format == GD_FORMAT_STL && other.build.refuse_polygons);
-    assert_false(proto_mesh_options_equal(&options, &other));
-    other.build.refuse_polygons = false;
-    assert_false(proto_mesh_options_equal(&options, &other));
-    other.format = GD_FORMAT_ANY;
-    assert_true(proto_mesh_options_equal(&options, &other));
-    other.build.refuse_polygons = true;
-    assert_false(proto_mesh_options_equal(&options, &other));
-    parameters = QUERY("triangulate", "true");
-    assert_true(proto_mesh_options_parse(&parameters, &other, &problem));
-    assert_true(proto_mesh_options_equal(&options, &other));
+    assert_options(NO_QUERY, OPTIONS(.format = GD_FORMAT_ANY));
+    assert_options(QUERY("format", "stl"), OPTIONS(.format = GD_FORMAT_STL));
+    assert_options(QUERY("triangulate", "false"), OPTIONS(.build = {.refuse_polygons = true}));
+    assert_options(QUERY("triangulate", "true"), OPTIONS(.format = GD_FORMAT_ANY));
+    assert_options(QUERY("format", "ply", "triangulate", "false", "repair", "none"),
+                   OPTIONS(.format = GD_FORMAT_PLY, .build = {.refuse_polygons = true}));
 }
 
 static void reads_weld_and_repair(void **state)
 {
     (void)state;
-    struct proto_mesh_options plain, options;
-    struct proto_problem problem;
-    struct proto_parameters parameters = NO_QUERY;
-    assert_true(proto_mesh_options_parse(&parameters, &plain, &problem));
-    assert_false(plain.build.weld || plain.build.repair_split);
-    parameters = QUERY("weld", "0");
-    assert_true(proto_mesh_options_parse(&parameters, &options, &problem));
-    assert_true(options.build.weld && options.build.weld_tolerance == 0 && !options.build.repair_split);
-    assert_false(proto_mesh_options_equal(&plain, &options));
-    struct proto_mesh_options wider = options;
-    parameters = QUERY("weld", "1e-3", "repair", "split");
-    assert_true(proto_mesh_options_parse(&parameters, &wider, &problem));
-    assert_true(wider.build.weld && wider.build.weld_tolerance == 1e-3 && wider.build.repair_split);
-    options.build.repair_split = true;
-    assert_false(proto_mesh_options_equal(&wider, &options));
-    options.build.weld_tolerance = 1e-3;
-    assert_true(proto_mesh_options_equal(&wider, &options));
+    assert_options(QUERY("weld", "0"), OPTIONS(.build = {.weld = true}));
+    assert_options(QUERY("repair", "split"), OPTIONS(.build = {.repair_split = true}));
+    assert_options(QUERY("weld", "1e-3", "repair", "split"),
+                   OPTIONS(.build = {.weld = true, .weld_tolerance = 1e-3, .repair_split = true}));
 }
 
 static void refuses_bad_upload_options(void **state)
@@ -109,8 +96,7 @@ static void finds_the_format_of_an_upload(void **state)
     assert_int_equal(proto_mesh_upload_format(&options, none, sizeof none - 1, NULL), GD_FORMAT_ANY);
 }
 
-/* --- content
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- content ------------------------------------------------------------------------------------------------------ */
 
 static void chooses_the_format_to_send(void **state)
 {
@@ -157,8 +143,7 @@ static void refuses_what_can_not_be_sent(void **state)
     assert_int_equal(format, GD_FORMAT_STL);
 }
 
-/* --- description
- * -------------------------------------------------------------------------------------------------------- */
+/* --- description -------------------------------------------------------------------------------------------------- */
 
 #define NOT_REPAIRED                                                                                                   \
     "\"repair\":{\"edges_split\":0,\"vertices_split\":0,\"vertices_welded\":0,\"vertices_merged\":0,"                  \

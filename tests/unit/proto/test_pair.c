@@ -8,7 +8,7 @@
 /* --- the request
  * -------------------------------------------------------------------------------------------------------- */
 
-static bool decode(const char *text, struct proto_pair *out, struct proto_problem *problem)
+static bool decode(const char *text, struct proto_points *out, struct proto_problem *problem)
 {
     json_t *document = proto_decode_document(text, strlen(text), problem);
     assert_non_null(document);
@@ -20,12 +20,33 @@ static bool decode(const char *text, struct proto_pair *out, struct proto_proble
 static void decodes_bodies(void **state)
 {
     (void)state;
-    struct proto_pair pair;
+    struct proto_points stops;
     struct proto_problem problem;
-    assert_true(decode("{\"to\":{\"vertex\":2},\"from\":{\"xyz\":[1,2,3]}}", &pair, &problem));
-    assert_true(pair.from.form == PROTO_POINT_XYZ && pair.to.form == PROTO_POINT_VERTEX && pair.to.vertex.index == 2);
-    assert_string_equal(pair.from.place, "/from");
-    assert_string_equal(pair.to.place, "/to");
+    assert_true(decode("{\"to\":{\"vertex\":2},\"from\":{\"xyz\":[1,2,3]}}", &stops, &problem));
+    assert_int_equal(stops.count, 2);
+    assert_true(stops.items[0].form == PROTO_POINT_XYZ && stops.items[1].form == PROTO_POINT_VERTEX);
+    assert_int_equal(stops.items[1].vertex.index, 2);
+    assert_string_equal(stops.items[0].place, "/from");
+    assert_string_equal(stops.items[1].place, "/to");
+    proto_points_free(&stops);
+}
+
+static void decodes_stops_in_the_order_of_the_way(void **state)
+{
+    (void)state;
+    struct proto_points stops;
+    struct proto_problem problem;
+    assert_true(decode("{\"via\":[{\"vertex\":5},{\"vertex\":6},{\"vertex\":5}],\"to\":{\"vertex\":2},"
+                       "\"from\":{\"vertex\":1}}",
+                       &stops, &problem));
+    static const uint32_t expected[] = {1, 5, 6, 5, 2};
+    assert_int_equal(stops.count, COUNT(expected));
+    for (uint32_t i = 0; i < stops.count; i++) assert_int_equal(stops.items[i].vertex.index, expected[i]);
+    assert_string_equal(stops.items[2].place, "/via/1");
+    proto_points_free(&stops);
+    assert_true(decode("{\"via\":[],\"to\":{\"vertex\":2},\"from\":{\"vertex\":1}}", &stops, &problem));
+    assert_int_equal(stops.count, 2);
+    proto_points_free(&stops);
 }
 
 static void refuses_bad_bodies(void **state)
@@ -41,11 +62,13 @@ static void refuses_bad_bodies(void **state)
         {"{\"from\":1,\"to\":{\"vertex\":1}}", "/from"},
         {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":-1}}", "/to/vertex"},
         {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":1},\"max\":1}", "/max"},
+        {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":1},\"via\":{\"vertex\":1}}", "/via"},
+        {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":1},\"via\":[{\"vertex\":1},{\"edge\":[1]}]}", "/via/1/edge"},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
-        struct proto_pair pair;
+        struct proto_points stops;
         struct proto_problem problem;
-        assert_false(decode(cases[i].text, &pair, &problem));
+        assert_false(decode(cases[i].text, &stops, &problem));
         assert_pointer(&problem, cases[i].pointer);
     }
 }
@@ -53,33 +76,55 @@ static void refuses_bad_bodies(void **state)
 static void parses_query_strings(void **state)
 {
     (void)state;
-    struct proto_pair pair;
+    struct proto_points stops;
     struct proto_problem problem;
-    struct proto_parameters parameters = QUERY("to", "e:1-2:0.5", "from", "v:0");
-    assert_true(proto_pair_parse(&parameters, &pair, &problem));
-    assert_true(pair.from.form == PROTO_POINT_VERTEX && pair.to.form == PROTO_POINT_EDGE);
-    parameters = QUERY("from", "v:0");
-    assert_false(proto_pair_parse(&parameters, &pair, &problem));
-    assert_parameter(&problem, "to");
-    parameters = QUERY("to", "v:0", "from", "0");
-    assert_false(proto_pair_parse(&parameters, &pair, &problem));
-    assert_parameter(&problem, "from");
+    struct proto_parameters parameters = QUERY("to", "e:1-2:0.5", "from", "v:0", "via", "v:3;f:1:0.2,0.3,0.5");
+    assert_true(proto_pair_parse(&parameters, &stops, &problem));
+    assert_int_equal(stops.count, 4);
+    assert_true(stops.items[0].form == PROTO_POINT_VERTEX && stops.items[3].form == PROTO_POINT_EDGE);
+    assert_true(stops.items[1].form == PROTO_POINT_VERTEX && stops.items[2].form == PROTO_POINT_FACE);
+    proto_points_free(&stops);
 }
 
-static void says_which_of_the_two_is_not_there(void **state)
+static void refuses_bad_query_strings(void **state)
+{
+    (void)state;
+    static const char *const bad_vias[] = {"", ";", "v:1;", ";v:1", "v:1;;v:2", "v:1,v:2", "v:1;x"};
+    struct proto_points stops;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("from", "v:0");
+    assert_false(proto_pair_parse(&parameters, &stops, &problem));
+    assert_parameter(&problem, "to");
+    parameters = QUERY("to", "v:0", "from", "0");
+    assert_false(proto_pair_parse(&parameters, &stops, &problem));
+    assert_parameter(&problem, "from");
+    for (size_t i = 0; i < COUNT(bad_vias); i++) {
+        parameters = QUERY("from", "v:0", "to", "v:0", "via", bad_vias[i]);
+        assert_false(proto_pair_parse(&parameters, &stops, &problem));
+        assert_parameter(&problem, "via");
+    }
+}
+
+static void says_which_of_the_points_is_not_there(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
-    struct proto_pair pair;
-    struct proto_located_pair located;
+    struct proto_points stops;
+    struct proto_located_points located;
     struct proto_problem problem;
-    assert_true(decode("{\"from\":{\"vertex\":1},\"to\":{\"vertex\":4}}", &pair, &problem));
-    assert_false(proto_pair_locate(mesh, &pair, &located, &problem));
+    assert_true(decode("{\"from\":{\"vertex\":1},\"to\":{\"vertex\":4}}", &stops, &problem));
+    assert_false(proto_points_locate(mesh, &stops, &located, &problem));
     assert_pointer(&problem, "/to");
+    proto_points_free(&stops);
+    assert_true(decode("{\"from\":{\"vertex\":1},\"to\":{\"vertex\":2},\"via\":[{\"vertex\":9}]}", &stops, &problem));
+    assert_false(proto_points_locate(mesh, &stops, &located, &problem));
+    assert_pointer(&problem, "/via/0");
+    proto_points_free(&stops);
     struct proto_parameters parameters = QUERY("to", "v:0", "from", "v:9");
-    assert_true(proto_pair_parse(&parameters, &pair, &problem));
-    assert_false(proto_pair_locate(mesh, &pair, &located, &problem));
+    assert_true(proto_pair_parse(&parameters, &stops, &problem));
+    assert_false(proto_points_locate(mesh, &stops, &located, &problem));
     assert_parameter(&problem, "from");
+    proto_points_free(&stops);
     gd_mesh_release(mesh);
 }
 
@@ -91,7 +136,14 @@ static void says_which_of_the_two_is_not_there(void **state)
 #define PATH "\"path\":{\"length\":1,\"points\":[{\"xyz\":[0,0,0],\"vertex\":0},{\"xyz\":[1,0,0],\"vertex\":1}]}"
 #define ALL                                                                                                            \
     (PROTO_PAIR_FIELD_DISTANCE | PROTO_PAIR_FIELD_REASON | PROTO_PAIR_FIELD_FROM | PROTO_PAIR_FIELD_TO |               \
-     PROTO_PAIR_FIELD_PATH)
+     PROTO_PAIR_FIELD_VIA | PROTO_PAIR_FIELD_PATH)
+
+static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
+{
+    struct gd_point point;
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), GD_OK);
+    return point;
+}
 
 static void encodes_answers(void **state)
 {
@@ -114,18 +166,33 @@ static void encodes_answers(void **state)
         {INFINITY, PROTO_PAIR_FIELD_REASON, PROTO_GEOMETRY_FULL, "{\"reason\":\"no_path\"}"},
     };
     struct gd_mesh *mesh = new_tetrahedron();
-    struct proto_located_pair pair = {.mesh = mesh, .from_snap = NAN, .to_snap = 1};
-    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &pair.from, NULL), GD_OK);
-    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &pair.to, NULL), GD_OK);
-    struct gd_point points[] = {pair.from, pair.to};
+    struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1)};
+    double snaps[] = {NAN, 1};
+    struct proto_located_points stops = {.mesh = mesh, .points = points, .snaps = snaps, .count = 2};
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct gd_pair_answer answer = {.distance = cases[i].distance};
         if (isfinite(answer.distance)) answer.path = (struct gd_path){.length = 1, .count = 2, .points = points};
         struct proto_options options = {.fields = cases[i].fields, .geometry = cases[i].geometry};
         struct proto_writer writer = new_writer();
-        proto_pair_encode(&writer, &pair, &answer, &options);
+        proto_pair_encode(&writer, &stops, &answer, &options);
         assert_written(&writer, cases[i].text);
     }
+    gd_mesh_release(mesh);
+}
+
+static void encodes_what_it_went_by_way_of(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = new_tetrahedron();
+    struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1), vertex(mesh, 2)};
+    double snaps[] = {NAN, 1, NAN};
+    struct proto_located_points stops = {.mesh = mesh, .points = points, .snaps = snaps, .count = 3};
+    struct proto_options options = {.fields = PROTO_PAIR_FIELD_VIA};
+    struct gd_pair_answer answer = {.distance = 2};
+    struct proto_writer writer = new_writer();
+    proto_pair_encode(&writer, &stops, &answer, &options);
+    assert_written(&writer, "{\"via\":[{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1,"
+                            "\"snap_distance\":1}]}");
     gd_mesh_release(mesh);
 }
 
@@ -139,17 +206,24 @@ static void names_its_fields_in_the_order_of_the_bits(void **state)
     assert_int_equal(options.fields, PROTO_PAIR_FIELD_PATH | PROTO_PAIR_FIELD_DISTANCE);
     assert_false(proto_options_parse(&parameters, proto_distance_fields, proto_pair_parameters, &options, &problem));
     assert_parameter(&problem, "fields");
-    parameters = QUERY("fields", "from,to,reason");
+    parameters = QUERY("fields", "from,to,reason,via");
     assert_true(proto_options_parse(&parameters, proto_distance_fields, proto_pair_parameters, &options, &problem));
-    assert_int_equal(options.fields, PROTO_PAIR_FIELD_FROM | PROTO_PAIR_FIELD_TO | PROTO_PAIR_FIELD_REASON);
+    assert_int_equal(options.fields,
+                     PROTO_PAIR_FIELD_FROM | PROTO_PAIR_FIELD_TO | PROTO_PAIR_FIELD_REASON | PROTO_PAIR_FIELD_VIA);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(decodes_bodies),       cmocka_unit_test(refuses_bad_bodies),
-        cmocka_unit_test(parses_query_strings), cmocka_unit_test(says_which_of_the_two_is_not_there),
-        cmocka_unit_test(encodes_answers),      cmocka_unit_test(names_its_fields_in_the_order_of_the_bits),
+        cmocka_unit_test(decodes_bodies),
+        cmocka_unit_test(decodes_stops_in_the_order_of_the_way),
+        cmocka_unit_test(refuses_bad_bodies),
+        cmocka_unit_test(parses_query_strings),
+        cmocka_unit_test(refuses_bad_query_strings),
+        cmocka_unit_test(says_which_of_the_points_is_not_there),
+        cmocka_unit_test(encodes_answers),
+        cmocka_unit_test(encodes_what_it_went_by_way_of),
+        cmocka_unit_test(names_its_fields_in_the_order_of_the_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

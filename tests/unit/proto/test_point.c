@@ -5,8 +5,7 @@
 #include "proto/decode.h"
 #include "proto/point.h"
 
-/* --- from JSON
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- from JSON ---------------------------------------------------------------------------------------------------- */
 
 static bool decode(const char *text, struct proto_point *out, struct proto_problem *problem)
 {
@@ -38,59 +37,76 @@ static void decodes_the_five_forms(void **state)
     assert_true(p.form == PROTO_POINT_RAY && p.ray.origin.z == 5 && p.ray.direction.z == -1);
 }
 
-static void refuses_malformed_json_points(void **state)
+struct refused {
+    const char *point, *pointer;
+};
+
+static const struct refused no_form[] = {
+    {"12", "/p"},
+    {"\"v:12\"", "/p"},
+    {"null", "/p"},
+    {"true", "/p"},
+    {"[1,2,3]", "/p"},
+    {"{}", "/p"},
+    {"{\"t\":0.5}", "/p"},
+    {"{\"barycentric\":[1,0,0]}", "/p"},
+    {"{\"max_snap\":1}", "/p"},
+    {"{\"vertex\":1,\"xyz\":[0,0,0]}", "/p"},
+    {"{\"vertex\":1,\"face\":1,\"barycentric\":[1,0,0]}", "/p"},
+    {"{\"vertx\":1}", "/p/vertx"},
+};
+
+static const struct refused bad_vertices[] = {
+    {"{\"vertex\":1,\"a/b~\":2}", "/p/a~1b~0"},
+    {"{\"vertex\":1,\"t\":0.5}", "/p/t"},
+    {"{\"vertex\":-1}", "/p/vertex"},
+    {"{\"vertex\":1.5}", "/p/vertex"},
+    {"{\"vertex\":4294967295}", "/p/vertex"},
+    {"{\"vertex\":1e300}", "/p/vertex"},
+    {"{\"vertex\":99999999999999999999999}", "/p/vertex"},
+    {"{\"vertex\":\"1\"}", "/p/vertex"},
+    {"{\"vertex\":null}", "/p/vertex"},
+    {"{\"vertex\":[1]}", "/p/vertex"},
+};
+
+static const struct refused bad_edges[] = {
+    {"{\"edge\":[3,9]}", "/p/t"},
+    {"{\"edge\":[3],\"t\":0}", "/p/edge"},
+    {"{\"edge\":[3,9,1],\"t\":0}", "/p/edge"},
+    {"{\"edge\":\"3-9\",\"t\":0}", "/p/edge"},
+    {"{\"edge\":[3,-9],\"t\":0}", "/p/edge/1"},
+    {"{\"edge\":[3,9],\"t\":\"0\"}", "/p/t"},
+    {"{\"edge\":[3,9],\"t\":0,\"max_snap\":1}", "/p/max_snap"},
+};
+
+static const struct refused bad_faces[] = {
+    {"{\"face\":3}", "/p/barycentric"},
+    {"{\"face\":0.5,\"barycentric\":[1,0,0]}", "/p/face"},
+    {"{\"face\":3,\"barycentric\":[0.5,0.5]}", "/p/barycentric"},
+    {"{\"face\":3,\"barycentric\":[1,0,\"0\"]}", "/p/barycentric/2"},
+};
+
+static const struct refused bad_positions[] = {
+    {"{\"xyz\":[1,2]}", "/p/xyz"},
+    {"{\"xyz\":[1,2,3,4]}", "/p/xyz"},
+    {"{\"xyz\":{\"x\":1}}", "/p/xyz"},
+    {"{\"xyz\":[1,null,3]}", "/p/xyz/1"},
+    {"{\"xyz\":[1,2,3],\"max_snap\":-0.1}", "/p/max_snap"},
+    {"{\"xyz\":[1,2,3],\"max_snap\":null}", "/p/max_snap"},
+};
+
+static const struct refused bad_rays[] = {
+    {"{\"ray\":[0,0,1]}", "/p/ray"},
+    {"{\"ray\":{\"origin\":[0,0,0]}}", "/p/ray/direction"},
+    {"{\"ray\":{\"direction\":[0,0,0]}}", "/p/ray/origin"},
+    {"{\"ray\":{\"origin\":[0,0],\"direction\":[0,0,1]}}", "/p/ray/origin"},
+    {"{\"ray\":{\"origin\":[0,0,0],\"direction\":[0,0,true]}}", "/p/ray/direction/2"},
+    {"{\"ray\":{\"origin\":[0,0,0],\"direction\":[0,0,1],\"length\":3}}", "/p/ray/length"},
+};
+
+static void assert_refused(const struct refused *cases, size_t count)
 {
-    (void)state;
-    static const struct {
-        const char *point, *pointer;
-    } cases[] = {
-        {"12", "/p"},
-        {"\"v:12\"", "/p"},
-        {"null", "/p"},
-        {"true", "/p"},
-        {"[1,2,3]", "/p"},
-        {"{}", "/p"},
-        {"{\"t\":0.5}", "/p"},
-        {"{\"barycentric\":[1,0,0]}", "/p"},
-        {"{\"max_snap\":1}", "/p"},
-        {"{\"vertex\":1,\"xyz\":[0,0,0]}", "/p"},
-        {"{\"vertex\":1,\"face\":1,\"barycentric\":[1,0,0]}", "/p"},
-        {"{\"vertx\":1}", "/p/vertx"},
-        {"{\"vertex\":1,\"a/b~\":2}", "/p/a~1b~0"},
-        {"{\"vertex\":1,\"t\":0.5}", "/p/t"},
-        {"{\"vertex\":-1}", "/p/vertex"},
-        {"{\"vertex\":1.5}", "/p/vertex"},
-        {"{\"vertex\":4294967295}", "/p/vertex"},
-        {"{\"vertex\":1e300}", "/p/vertex"},
-        {"{\"vertex\":99999999999999999999999}", "/p/vertex"},
-        {"{\"vertex\":\"1\"}", "/p/vertex"},
-        {"{\"vertex\":null}", "/p/vertex"},
-        {"{\"vertex\":[1]}", "/p/vertex"},
-        {"{\"edge\":[3,9]}", "/p/t"},
-        {"{\"edge\":[3],\"t\":0}", "/p/edge"},
-        {"{\"edge\":[3,9,1],\"t\":0}", "/p/edge"},
-        {"{\"edge\":\"3-9\",\"t\":0}", "/p/edge"},
-        {"{\"edge\":[3,-9],\"t\":0}", "/p/edge/1"},
-        {"{\"edge\":[3,9],\"t\":\"0\"}", "/p/t"},
-        {"{\"edge\":[3,9],\"t\":0,\"max_snap\":1}", "/p/max_snap"},
-        {"{\"face\":3}", "/p/barycentric"},
-        {"{\"face\":0.5,\"barycentric\":[1,0,0]}", "/p/face"},
-        {"{\"face\":3,\"barycentric\":[0.5,0.5]}", "/p/barycentric"},
-        {"{\"face\":3,\"barycentric\":[1,0,\"0\"]}", "/p/barycentric/2"},
-        {"{\"xyz\":[1,2]}", "/p/xyz"},
-        {"{\"xyz\":[1,2,3,4]}", "/p/xyz"},
-        {"{\"xyz\":{\"x\":1}}", "/p/xyz"},
-        {"{\"xyz\":[1,null,3]}", "/p/xyz/1"},
-        {"{\"xyz\":[1,2,3],\"max_snap\":-0.1}", "/p/max_snap"},
-        {"{\"xyz\":[1,2,3],\"max_snap\":null}", "/p/max_snap"},
-        {"{\"ray\":[0,0,1]}", "/p/ray"},
-        {"{\"ray\":{\"origin\":[0,0,0]}}", "/p/ray/direction"},
-        {"{\"ray\":{\"direction\":[0,0,0]}}", "/p/ray/origin"},
-        {"{\"ray\":{\"origin\":[0,0],\"direction\":[0,0,1]}}", "/p/ray/origin"},
-        {"{\"ray\":{\"origin\":[0,0,0],\"direction\":[0,0,true]}}", "/p/ray/direction/2"},
-        {"{\"ray\":{\"origin\":[0,0,0],\"direction\":[0,0,1],\"length\":3}}", "/p/ray/length"},
-    };
-    for (size_t i = 0; i < COUNT(cases); i++) {
+    for (size_t i = 0; i < count; i++) {
         struct proto_point point = {.form = PROTO_POINT_RAY, .place = "untouched"};
         struct proto_problem problem;
         char text[200] = "{\"p\":";
@@ -101,8 +117,23 @@ static void refuses_malformed_json_points(void **state)
     }
 }
 
-/* --- from compact text
- * -------------------------------------------------------------------------------------------------- */
+static void refuses_what_has_no_single_form(void **state)
+{
+    (void)state;
+    assert_refused(no_form, COUNT(no_form));
+}
+
+static void refuses_malformed_members(void **state)
+{
+    (void)state;
+    assert_refused(bad_vertices, COUNT(bad_vertices));
+    assert_refused(bad_edges, COUNT(bad_edges));
+    assert_refused(bad_faces, COUNT(bad_faces));
+    assert_refused(bad_positions, COUNT(bad_positions));
+    assert_refused(bad_rays, COUNT(bad_rays));
+}
+
+/* --- from compact text -------------------------------------------------------------------------------------------- */
 
 static void parses_compact_points(void **state)
 {
@@ -128,66 +159,28 @@ static void parses_compact_points(void **state)
                 p.xyz.max_snap < 0);
 }
 
-static void refuses_malformed_compact_points(void **state)
+static const char *const no_compact_form[] = {"", "v", ":12", "12", "v12", "x:12", "V:12", " v:1"};
+
+static const char *const bad_compact_vertices[] = {
+    "v:",   "v::12", "v:-1",  "v:+1",   "v: 1",         "v:1 ",         "v:1,",
+    "v:01", "v:1.0", "v:1e3", "v:0x10", "v:4294967295", "v:4294967296", "v:18446744073709551617",
+    "v:a"};
+
+static const char *const bad_compact_edges[] = {
+    "e:",         "e:3",           "e:3-9",      "e:3-9:",   "e:3-9:x",  "e:3,9:0.5",
+    "e:-3-9:0.5", "e:3-9:0.5,0.5", "e:3--9:0.5", "e:3-9:.5", "e:3-9:0x1"};
+
+static const char *const bad_compact_faces[] = {
+    "f:34",       "f:34:",         "f:34:0.2,0.3",    "f:34:0.2,0.3,0.5,0", "f:34:0.2;0.3;0.5",
+    "f:-1:1,0,0", "f:34:0.2,,0.5", "f:34:0,2 0,3 0,5"};
+
+static const char *const bad_compact_positions[] = {"p:",          "p:1",      "p:1,2",     "p:1,2,3,4",
+                                                    "p:1,2,",      "p:,1,2",   "p:1,2,nan", "p:inf,0,0",
+                                                    "p:1e999,0,0", "p:1,2,3x", "p:1, 2,3",  "p:+1,2,3"};
+
+static void assert_refused_compact(const char *const *cases, size_t count)
 {
-    (void)state;
-    static const char *const cases[] = {
-        "",
-        "v",
-        "v:",
-        ":12",
-        "12",
-        "v12",
-        "x:12",
-        "V:12",
-        "v::12",
-        "v:-1",
-        "v:+1",
-        "v: 1",
-        " v:1",
-        "v:1 ",
-        "v:1,",
-        "v:01",
-        "v:1.0",
-        "v:1e3",
-        "v:0x10",
-        "v:4294967295",
-        "v:4294967296",
-        "v:18446744073709551617",
-        "v:a",
-        "e:",
-        "e:3",
-        "e:3-9",
-        "e:3-9:",
-        "e:3-9:x",
-        "e:3,9:0.5",
-        "e:-3-9:0.5",
-        "e:3-9:0.5,0.5",
-        "e:3--9:0.5",
-        "e:3-9:.5",
-        "e:3-9:0x1",
-        "f:34",
-        "f:34:",
-        "f:34:0.2,0.3",
-        "f:34:0.2,0.3,0.5,0",
-        "f:34:0.2;0.3;0.5",
-        "f:-1:1,0,0",
-        "f:34:0.2,,0.5",
-        "f:34:0,2 0,3 0,5",
-        "p:",
-        "p:1",
-        "p:1,2",
-        "p:1,2,3,4",
-        "p:1,2,",
-        "p:,1,2",
-        "p:1,2,nan",
-        "p:inf,0,0",
-        "p:1e999,0,0",
-        "p:1,2,3x",
-        "p:1, 2,3",
-        "p:+1,2,3",
-    };
-    for (size_t i = 0; i < COUNT(cases); i++) {
+    for (size_t i = 0; i < count; i++) {
         struct proto_point point = {.form = PROTO_POINT_RAY, .place = "untouched"};
         struct proto_problem problem;
         assert_false(proto_point_parse(cases[i], "to", &point, &problem));
@@ -196,8 +189,22 @@ static void refuses_malformed_compact_points(void **state)
     }
 }
 
-/* --- onto the mesh and back
- * --------------------------------------------------------------------------------------------- */
+static void refuses_what_has_no_compact_form(void **state)
+{
+    (void)state;
+    assert_refused_compact(no_compact_form, COUNT(no_compact_form));
+}
+
+static void refuses_malformed_numbers(void **state)
+{
+    (void)state;
+    assert_refused_compact(bad_compact_vertices, COUNT(bad_compact_vertices));
+    assert_refused_compact(bad_compact_edges, COUNT(bad_compact_edges));
+    assert_refused_compact(bad_compact_faces, COUNT(bad_compact_faces));
+    assert_refused_compact(bad_compact_positions, COUNT(bad_compact_positions));
+}
+
+/* --- onto the mesh and back --------------------------------------------------------------------------------------- */
 
 static void locate(const struct gd_mesh *mesh, const char *text, struct gd_point *out, double *snap)
 {
@@ -290,9 +297,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(decodes_the_five_forms),
-        cmocka_unit_test(refuses_malformed_json_points),
+        cmocka_unit_test(refuses_what_has_no_single_form),
+        cmocka_unit_test(refuses_malformed_members),
         cmocka_unit_test(parses_compact_points),
-        cmocka_unit_test(refuses_malformed_compact_points),
+        cmocka_unit_test(refuses_what_has_no_compact_form),
+        cmocka_unit_test(refuses_malformed_numbers),
         cmocka_unit_test(comes_back_with_all_that_is_known),
         cmocka_unit_test(gives_the_fields_that_are_wanted),
         cmocka_unit_test(says_which_point_is_not_there),

@@ -22,17 +22,20 @@ static void describes_the_daemon(void **state)
         "\"off\",\"json\"],\"queries\":[\"path\",\"nearest\"]}}");
 }
 
+static void assert_health(enum proto_health health, const char *reason, const char *text)
+{
+    struct proto_writer writer = new_writer();
+    proto_health_encode(&writer, health, reason);
+    assert_written(&writer, text);
+}
+
 static void tells_its_health(void **state)
 {
     (void)state;
-    static const char *const texts[] = {[PROTO_HEALTH_OK] = "{\"status\":\"ok\"}",
-                                        [PROTO_HEALTH_STARTING] = "{\"status\":\"starting\"}",
-                                        [PROTO_HEALTH_DRAINING] = "{\"status\":\"draining\"}"};
-    for (int health = PROTO_HEALTH_OK; health <= PROTO_HEALTH_DRAINING; health++) {
-        struct proto_writer writer = new_writer();
-        proto_health_encode(&writer, (enum proto_health)health);
-        assert_written(&writer, texts[health]);
-    }
+    assert_health(PROTO_HEALTH_OK, NULL, "{\"status\":\"ok\"}");
+    assert_health(PROTO_HEALTH_STARTING, NULL, "{\"status\":\"starting\"}");
+    assert_health(PROTO_HEALTH_DRAINING, NULL, "{\"status\":\"draining\"}");
+    assert_health(PROTO_HEALTH_READ_ONLY, "a \"disk\"", "{\"status\":\"read_only\",\"reason\":\"a \\\"disk\\\"\"}");
 }
 
 int main(void)

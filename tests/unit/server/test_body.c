@@ -62,6 +62,22 @@ static void refuses_a_length_before_it_is_sent(void **state)
     assert_int_equal(problem.limit, 5000);
 }
 
+static size_t walk(void *user)
+{
+    (void)user;
+    fail_msg("all meshes were walked, with room for the body");
+    return 0;
+}
+
+static void a_length_that_finds_room_is_cheap_to_accept(void **state)
+{
+    (void)state;
+    server_budget_init(&budget, LIMIT);
+    budget.reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){NULL, walk, NULL};
+    body = (struct server_body){0};
+    assert_true(server_body_prepare(&body, &budget, LIMIT, LIMIT, &problem));
+}
+
 static void remembers_that_chunks_passed_the_limit(void **state)
 {
     (void)state;
@@ -104,6 +120,7 @@ int main(void)
         cmocka_unit_test(collects_what_arrives),
         cmocka_unit_test(holds_memory_for_what_arrived_only),
         cmocka_unit_test(refuses_a_length_before_it_is_sent),
+        cmocka_unit_test(a_length_that_finds_room_is_cheap_to_accept),
         cmocka_unit_test(remembers_that_chunks_passed_the_limit),
         cmocka_unit_test(remembers_that_chunks_passed_the_budget),
         cmocka_unit_test(drops_a_client_that_trickles),

@@ -52,6 +52,28 @@ static void idle_workspaces_can_be_had_and_spare_memory_can_not(void **state)
     assert_int_equal(server_budget_available(&budget), 90);
 }
 
+static size_t count_walks(void *user)
+{
+    (*(int *)user)++;
+    return 40;
+}
+
+static void looks_at_what_could_go_only_when_room_is_short(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    int walks = 0;
+    server_budget_init(&budget, 100);
+    budget.reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){NULL, count_walks, &walks};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 70));
+    assert_true(server_budget_could_take(&budget, 30));
+    assert_int_equal(walks, 0);
+    assert_true(server_budget_could_take(&budget, 70));
+    assert_false(server_budget_could_take(&budget, 71));
+    assert_false(server_budget_could_take(&budget, SIZE_MAX));
+    assert_int_equal(walks, 3);
+}
+
 static void reclaim_workspaces(void *user, size_t bytes)
 {
     struct server_budget *budget = user;
@@ -112,6 +134,7 @@ int main(void)
         cmocka_unit_test(sums_do_not_overflow),
         cmocka_unit_test(adjusts_to_what_is_held),
         cmocka_unit_test(idle_workspaces_can_be_had_and_spare_memory_can_not),
+        cmocka_unit_test(looks_at_what_could_go_only_when_room_is_short),
         cmocka_unit_test(reclaims_what_is_missing),
         cmocka_unit_test(workspaces_go_before_fields),
         cmocka_unit_test(does_not_evict_for_what_can_not_be_had),

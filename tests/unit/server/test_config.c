@@ -55,6 +55,8 @@ static void has_defaults(void **state)
     assert_int_equal(config.log_level, SERVER_LOG_INFO);
     assert_string_equal(server_config_cpus[config.cpu], "auto");
     assert_int_equal(config.landmarks, 16);
+    assert_int_equal(config.job_ttl_s, 3600);
+    assert_int_equal(config.max_jobs, 10000);
 }
 
 static void reads_flags_in_both_forms(void **state)

@@ -21,8 +21,25 @@ static void takes_out_those_that_are_late(void **state)
     assert_null(list->next->next->next);
 }
 
+static void what_is_not_wanted_is_late(void **state)
+{
+    (void)state;
+    struct test_job jobs[2];
+    for (int i = 0; i < 2; i++) test_job_init(&jobs[i], NULL);
+    jobs[0].job.next = &jobs[1].job;
+    jobs[1].job.next = NULL;
+    struct server_job *list = &jobs[0].job;
+    assert_null(server_jobs_expire(&list, 6));
+    atomic_store(&jobs[0].job.is_unwanted, true);
+    assert_ptr_equal(server_jobs_expire(&list, 6), &jobs[0].job);
+    assert_ptr_equal(list, &jobs[1].job);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(takes_out_those_that_are_late)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(takes_out_those_that_are_late),
+        cmocka_unit_test(what_is_not_wanted_is_late),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -135,16 +135,16 @@ static void preconditions_decide(void **state)
 {
     struct fixture *fixture = *state;
     char right[SERVER_ETAG + 2];
-    assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_match = "*"}),
+    assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_match = {"*"}}),
                      SERVER_STORE_PRECONDITION);
-    assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_none_match = "*"}),
+    assert_int_equal(put_if(fixture, "a", "1", (struct server_precondition){.if_none_match = {"*"}}),
                      SERVER_STORE_CREATED);
-    assert_int_equal(put_if(fixture, "a", "2", (struct server_precondition){.if_none_match = "*"}),
+    assert_int_equal(put_if(fixture, "a", "2", (struct server_precondition){.if_none_match = {"*"}}),
                      SERVER_STORE_PRECONDITION);
     struct server_surface *a = get(fixture, "a");
     snprintf(right, sizeof right, "\"%s\"", a->record->etag);
     server_surface_release(a);
-    const struct server_precondition wrong_tag = {.if_match = "\"x\""}, right_tag = {.if_match = right};
+    const struct server_precondition wrong_tag = {.if_match = {"\"x\""}}, right_tag = {.if_match = {right}};
     assert_int_equal(server_registry_remove(fixture->registry, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(put_if(fixture, "a", "2", right_tag), SERVER_STORE_REPLACED);
     assert_int_equal(server_registry_remove(fixture->registry, "a", &right_tag),
@@ -308,6 +308,87 @@ static void the_same_record_again_is_kept_in_memory(void **state)
     server_listed_release(&listed);
 }
 
+static struct fixture *tidied; /* by look_while_tidying */
+static char seen[SERVER_ETAG]; /* the ETag of "a" then; empty: it was not there */
+static unsigned tidy_count;
+
+static void look_while_tidying(struct server_store *store)
+{
+    struct server_listed listed;
+    (void)store;
+    seen[0] = '\0';
+    tidy_count++;
+    if (!server_registry_find(tidied->registry, "a", &listed)) return;
+    strcpy(seen, listed.record->etag);
+    server_listed_release(&listed);
+}
+
+/* So nobody is told of bytes that are about to go. */
+static void the_store_tidies_once_all_is_known(void **state)
+{
+    struct fixture *fixture = *state;
+    char before[SERVER_ETAG];
+    struct server_store *store = server_store_memory_create();
+    store->tidy = look_while_tidying;
+    server_registry_destroy(fixture->registry);
+    fixture->registry = server_registry_create(store, &fixture->budget);
+    tidied = fixture;
+    put(fixture, "a", "1");
+    strcpy(before, seen);
+    put(fixture, "a", "2");
+    assert_true(before[0] && seen[0]);
+    assert_string_not_equal(seen, before);
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
+    assert_string_equal(seen, "");
+    assert_int_equal(tidy_count, 3);
+    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_ABSENT);
+    assert_int_equal(tidy_count, 3);
+}
+
+static void what_is_stored_is_confirmed(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_listed before;
+    put(fixture, "a", "1");
+    assert_true(server_registry_find(fixture->registry, "a", &before));
+    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_REPLACED);
+    answer = SERVER_STORE_FULL;
+    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_FULL);
+    answer = SERVER_STORE_DONE;
+    put(fixture, "a", "2");
+    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_ABSENT);
+    server_listed_release(&before);
+}
+
+/* --- the writer --------------------------------------------------------------------------------------------------- */
+
+static void the_writer_runs_one_job_after_the_other(void **state)
+{
+    struct fixture *fixture = *state;
+    struct test_job first, late, last;
+    sem_t hold;
+    sem_init(&hold, 0, 0);
+    test_job_init(&first, &hold);
+    test_job_init(&late, NULL);
+    test_job_init(&last, NULL);
+    late.job.deadline_ns = 100;
+    server_registry_submit(fixture->registry, &first.job);
+    server_registry_submit(fixture->registry, &late.job);
+    server_registry_submit(fixture->registry, &last.job);
+    server_registry_expire(fixture->registry, 100);
+    sem_wait(&late.done);
+    assert_int_equal(late.why, SERVER_REFUSAL_DEADLINE);
+    assert_int_equal(last.runs, 0);
+    sem_post(&hold);
+    sem_wait(&last.done);
+    assert_int_equal(first.runs, 1);
+    server_registry_cancel(fixture->registry);
+    server_registry_submit(fixture->registry, &first.job);
+    assert_int_equal(first.refusals, 1);
+    assert_int_equal(first.why, SERVER_REFUSAL_DRAINING);
+    sem_destroy(&hold);
+}
+
 static void *put_and_remove(void *user)
 {
     struct fixture *fixture = user;
@@ -344,10 +425,13 @@ int main(void)
         TEST(preconditions_decide),
         TEST(replacing_ends_the_fields),
         TEST(tells_what_is_gone_with_its_last_name),
+        TEST(the_store_tidies_once_all_is_known),
+        TEST(the_writer_runs_one_job_after_the_other),
         TEST(many_threads_at_once),
         STORED(what_the_store_refuses_changes_nothing),
         STORED(unused_ones_make_room_the_coldest_first),
         STORED(the_same_record_again_is_kept_in_memory),
+        STORED(what_is_stored_is_confirmed),
     };
 #undef STORED
 #undef TEST

@@ -2,7 +2,10 @@
 #include "support.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
+#include "server/events.h"
+#include "server/jobs.h"
 #include "server/registry.h"
 #include "server/reply.h"
 #include "server/router.h"
@@ -16,6 +19,7 @@ static bool had_state; /* an exchange was finished with its handler's state: oth
 static void finish(struct server_exchange *exchange)
 {
     had_state |= exchange->state != NULL;
+    server_reply_seal(exchange);
     sem_post(&finished);
 }
 
@@ -25,14 +29,18 @@ static bool is_gone(struct server_exchange *exchange)
     return false;
 }
 
-static const struct server_transport transport = {finish, is_gone};
+static const struct server_transport transport = {.finish = finish, .is_gone = is_gone};
 
 static int set_up(void **state)
 {
     (void)state;
     memset(&server, 0, sizeof server);
-    server.config =
-        (struct server_config){.timeout_ms = 10000, .max_body = 1 << 20, .max_faces = 1000, .queue_length = 10};
+    server.config = (struct server_config){.timeout_ms = 10000,
+                                           .max_body = 1 << 20,
+                                           .max_faces = 1000,
+                                           .queue_length = 10,
+                                           .job_ttl_s = 60,
+                                           .max_jobs = 10};
     server.guard.config = &server.config;
     server_budget_init(&server.budget, 64 << 20);
     server.workspaces = server_workspaces_create(&server.budget, 1);
@@ -41,6 +49,8 @@ static int set_up(void **state)
     server.loads = server_loads_create(server.workers);
     server.registry = server_registry_create(server_store_memory_create(), &server.budget);
     server.metrics = server_metrics_create(proto_routes, proto_route_count);
+    server.events = server_events_create();
+    server.jobs = server_jobs_create(&server);
     server.timekeeper = server_timekeeper_create(&server);
     sem_init(&finished, 0, 0);
     return 0;
@@ -49,8 +59,11 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     (void)state;
-    server_timekeeper_destroy(server.timekeeper);
     server_workers_cancel(server.workers);
+    while (atomic_load(&server.deferred)) usleep(1000);
+    server_timekeeper_destroy(server.timekeeper);
+    server_jobs_destroy(server.jobs);
+    server_events_destroy(server.events);
     server_registry_destroy(server.registry);
     server_loads_destroy(server.loads);
     server_cache_destroy(server.cache);
@@ -87,7 +100,9 @@ static struct server_exchange *exchange_of(const char *method, const char *targe
     struct server_exchange *exchange = begin(method, target, lines); /* done with when this returns */
     if (exchange->response.status == 0 && body) server_body_append(&exchange->body, &server.budget, body, strlen(body));
     server_router_end(exchange);
-    if (exchange->response.status == 0) {
+    if (exchange->response.status) {
+        server_reply_seal(exchange);
+    } else {
         server_exchange_submit(exchange);
         sem_wait(&finished);
     }
@@ -133,6 +148,23 @@ static void an_upload_and_a_question(void **state)
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("DELETE", "/v1/meshes/square", "", NULL), 204);
     assert_int_equal(status_of("GET", "/v1/meshes/square", "", NULL), 404);
+}
+
+static void what_takes_it_becomes_a_job(void **state)
+{
+    (void)state;
+    static const char prefer[] = "Prefer: respond-async\nContent-Length: 48";
+    assert_int_equal(status_of("PUT", "/v1/meshes/square", prefer, square), 202);
+    while (server_registry_statistics(server.registry).surfaces == 0) usleep(1000);
+    struct server_exchange *exchange =
+        exchange_of("GET", "/v1/meshes/square/nearest?point=v:1", "Prefer: respond-async", NULL);
+    assert_int_equal(exchange->response.status, 202);
+    assert_string_equal(response_header(exchange, "Preference-Applied"), "respond-async");
+    const char *location = response_header(exchange, "Location");
+    assert_int_equal(status_of("GET", location, "", NULL), 200);
+    server_exchange_destroy(exchange);
+    assert_int_equal(status_of("GET", "/v1/meshes", "Prefer: respond-async", NULL), 200);
+    assert_int_equal(status_of("PUT", "/v1/meshes/-/..", prefer, square), 404); /* refused as ever */
 }
 
 static void a_number_may_hold_a_plus_sign(void **state)
@@ -310,6 +342,7 @@ int main(void)
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(an_upload_and_a_question),
+        TEST(what_takes_it_becomes_a_job),
         TEST(a_number_may_hold_a_plus_sign),
         TEST(targets_that_can_not_be_read),
         TEST(what_is_refused_before_its_body_closes_the_connection),

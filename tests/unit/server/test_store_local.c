@@ -1,6 +1,6 @@
 #include "folder.h"
 
-#include "server/store.h"
+#include "server/store_files.h"
 
 struct fixture {
     char folder[FOLDER_PATH];
@@ -45,6 +45,7 @@ static enum server_store_outcome put(struct fixture *fixture, const char *name, 
 {
     struct server_record *record = new_record(name, bytes);
     enum server_store_outcome outcome = fixture->store->put(fixture->store, record, bytes);
+    if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
 }
@@ -53,6 +54,7 @@ static enum server_store_outcome drop(struct fixture *fixture, const char *name,
 {
     struct server_record *record = new_record(name, bytes);
     enum server_store_outcome outcome = fixture->store->remove(fixture->store, record);
+    if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
 }
@@ -110,6 +112,28 @@ static void write_over(const char *path, const char *text)
     fclose(file);
 }
 
+/* Damages a file of the folder. */
+static void spoil(const struct fixture *fixture, const char *name)
+{
+    char path[SERVER_DISK_PATH];
+    path_in(fixture, path, name);
+    write_over(path, "this is no database at all, nor a manifest, and never was one");
+}
+
+static void lose(const struct fixture *fixture, const char *name)
+{
+    char path[SERVER_DISK_PATH];
+    path_in(fixture, path, name);
+    assert_int_equal(remove(path), 0);
+}
+
+static void put_two_and_close(struct fixture *fixture)
+{
+    put(fixture, "a", "1");
+    put(fixture, "b", "2");
+    close_store(fixture);
+}
+
 static void keeps_in_order(void **state)
 {
     struct fixture *fixture = *state;
@@ -134,6 +158,23 @@ static void shares_bytes(void **state)
     assert_int_equal(fetch(fixture, "same"), SERVER_STORE_DONE);
     put(fixture, "b", "other");
     assert_int_equal(fetch(fixture, "same"), SERVER_STORE_ABSENT);
+}
+
+/* Who was told of a surface before it went can still fetch its bytes until everybody is told otherwise. */
+static void bytes_go_when_all_is_tidy(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_record *two = new_record("a", "2");
+    put(fixture, "a", "1");
+    assert_int_equal(fixture->store->put(fixture->store, two, "2"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE);
+    fixture->store->tidy(fixture->store);
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
+    assert_int_equal(fixture->store->remove(fixture->store, two), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "2"), SERVER_STORE_DONE);
+    fixture->store->tidy(fixture->store);
+    assert_int_equal(fetch(fixture, "2"), SERVER_STORE_ABSENT);
+    server_record_release(two);
 }
 
 static void remembers_uses(void **state)
@@ -181,49 +222,62 @@ static void one_process_a_folder(void **state)
 static void a_damaged_database_is_made_again(void **state)
 {
     struct fixture *fixture = *state;
-    char path[SERVER_DISK_PATH];
-    put(fixture, "a", "1");
-    put(fixture, "b", "2");
-    close_store(fixture);
-    path_in(fixture, path, "geodesicd.db");
-    write_over(path, "this is no database at all, and never was one");
+    put_two_and_close(fixture);
+    spoil(fixture, "geodesicd.db");
     assert_holds(fixture, "a=0 b=0 ");
     assert_null(fixture->store->health(fixture->store));
     assert_int_equal(put(fixture, "c", "3"), SERVER_STORE_DONE);
     close_store(fixture);
-    assert_int_equal(remove(path), 0);
+    lose(fixture, "geodesicd.db");
     assert_holds(fixture, "a=0 b=0 c=0 ");
+}
+
+static void count_aside(void *user, const char *path, const char *name)
+{
+    int *count = user;
+    (void)path;
+    *count += strstr(name, SERVER_STORE_ASIDE) && !strstr(name, "-wal") && !strstr(name, "-shm");
+}
+
+static void what_was_put_aside_stays(void **state)
+{
+    struct fixture *fixture = *state;
+    char manifests[SERVER_DISK_PATH];
+    int databases = 0, damaged = 0;
+    path_in(fixture, manifests, "manifests");
+    put_two_and_close(fixture);
+    for (int i = 0; i < 3; i++) {
+        spoil(fixture, "geodesicd.db");
+        assert_holds(fixture, "a=0 b=0 ");
+        close_store(fixture);
+        spoil(fixture, "manifests/a.manifest");
+        assert_holds(fixture, "a=0 b=0 ");
+        close_store(fixture);
+    }
+    assert_true(server_disk_each(fixture->folder, count_aside, &databases));
+    assert_true(server_disk_each(manifests, count_aside, &damaged));
+    assert_int_equal(databases, 3);
+    assert_int_equal(damaged, 3);
 }
 
 static void a_manifest_is_made_again_from_its_row(void **state)
 {
     struct fixture *fixture = *state;
-    char path[SERVER_DISK_PATH];
-    put(fixture, "a", "1");
-    put(fixture, "b", "2");
-    close_store(fixture);
-    path_in(fixture, path, "manifests/a.manifest");
-    write_over(path, "nonsense");
-    path_in(fixture, path, "manifests/b.manifest");
-    assert_int_equal(remove(path), 0);
+    put_two_and_close(fixture);
+    spoil(fixture, "manifests/a.manifest");
+    lose(fixture, "manifests/b.manifest");
     assert_holds(fixture, "a=0 b=0 ");
     close_store(fixture);
-    path_in(fixture, path, "geodesicd.db");
-    assert_int_equal(remove(path), 0);
+    lose(fixture, "geodesicd.db");
     assert_holds(fixture, "a=0 b=0 ");
 }
 
 static void without_row_and_manifest_a_name_is_lost_and_no_other(void **state)
 {
     struct fixture *fixture = *state;
-    char path[SERVER_DISK_PATH];
-    put(fixture, "a", "1");
-    put(fixture, "b", "2");
-    close_store(fixture);
-    path_in(fixture, path, "manifests/a.manifest");
-    write_over(path, "nonsense");
-    path_in(fixture, path, "geodesicd.db");
-    assert_int_equal(remove(path), 0);
+    put_two_and_close(fixture);
+    spoil(fixture, "manifests/a.manifest");
+    lose(fixture, "geodesicd.db");
     assert_holds(fixture, "b=0 ");
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE); /* its bytes are kept */
     assert_holds(fixture, "b=0 ");
@@ -251,10 +305,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(keeps_in_order),
         TEST(shares_bytes),
+        TEST(bytes_go_when_all_is_tidy),
         TEST(remembers_uses),
         TEST(finds_damaged_bytes_and_takes_them_again),
         TEST(one_process_a_folder),
         TEST(a_damaged_database_is_made_again),
+        TEST(what_was_put_aside_stays),
         TEST(a_manifest_is_made_again_from_its_row),
         TEST(without_row_and_manifest_a_name_is_lost_and_no_other),
         TEST(what_nothing_refers_to_is_collected),

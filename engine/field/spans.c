@@ -1,0 +1,85 @@
+#include "field/spans.h"
+
+#include "field/array.h"
+
+struct gd__turn gd__turn_around(double phi, double q)
+{
+    if (q <= -1) return gd__turn_all;
+    if (!(q < 1)) return (struct gd__turn){0};
+    double half = acos(q), from = phi - half, to = phi + half;
+    if (from < -M_PI) return (struct gd__turn){2, {{-M_PI, to, 0, 0}, {from + 2 * M_PI, M_PI, 0, 0}}};
+    if (to > M_PI) return (struct gd__turn){2, {{-M_PI, to - 2 * M_PI, 0, 0}, {from, M_PI, 0, 0}}};
+    return (struct gd__turn){1, {{from, to, 0, 0}}};
+}
+
+struct gd__turn gd__turn_both(const struct gd__turn *a, const struct gd__turn *b)
+{
+    struct gd__turn common = {0};
+    for (int i = 0; i < a->count; i++) {
+        for (int k = 0; k < b->count; k++) {
+            double from = fmax(a->part[i].from, b->part[k].from), to = fmin(a->part[i].to, b->part[k].to);
+            if (from < to && common.count < GD__TURN_PARTS)
+                common.part[common.count++] = (struct gd__span){.from = from, .to = to};
+        }
+    }
+    return common;
+}
+
+static enum gd_status append(struct gd__spans *spans, struct gd__span span)
+{
+    struct gd__span *grown = gd__array_reserve(spans->span, &spans->capacity, spans->count + 1, sizeof span);
+    if (!grown) return GD_NO_MEMORY;
+    spans->span = grown;
+    spans->span[spans->count++] = span;
+    return GD_OK;
+}
+
+enum gd_status gd__spans_put(struct gd__spans *spans, const struct gd__turn *turn, uint32_t by)
+{
+    enum gd_status status = GD_OK;
+    for (int i = 0; i < turn->count && !status; i++)
+        status = append(spans, (struct gd__span){turn->part[i].from, turn->part[i].to, by, by});
+    return status;
+}
+
+/* There are few. */
+static void sort_by_start(struct gd__spans *spans)
+{
+    for (uint32_t i = 1; i < spans->count; i++) {
+        struct gd__span span = spans->span[i];
+        uint32_t place = i;
+        for (; place > 0 && spans->span[place - 1].from > span.from; place--)
+            spans->span[place] = spans->span[place - 1];
+        spans->span[place] = span;
+    }
+}
+
+enum gd_status gd__spans_invert(struct gd__spans *covered, double least, struct gd__spans *out)
+{
+    struct gd__span free = {.from = -M_PI, .from_by = GD__SPAN_OPEN}; /* from what is covered so far */
+    enum gd_status status = append(covered, (struct gd__span){M_PI, M_PI, GD__SPAN_OPEN, GD__SPAN_OPEN});
+    if (status) return status;
+    sort_by_start(covered);
+    out->count = 0;
+    for (uint32_t i = 0; i < covered->count && !status; i++) {
+        struct gd__span next = covered->span[i];
+        free.to = next.from;
+        free.to_by = next.from_by;
+        if (free.to - free.from > least) status = append(out, free);
+        if (next.to <= free.from) continue;
+        free.from = next.to;
+        free.from_by = next.to_by;
+    }
+    return status;
+}
+
+void gd__spans_join(struct gd__spans *spans)
+{
+    if (spans->count < 2) return;
+    struct gd__span *first = &spans->span[0], *last = &spans->span[spans->count - 1];
+    if (first->from > -M_PI || last->to < M_PI) return;
+    last->to = first->to + 2 * M_PI;
+    last->to_by = first->to_by;
+    spans->count--;
+    for (uint32_t i = 0; i < spans->count; i++) spans->span[i] = spans->span[i + 1];
+}

@@ -1,0 +1,22 @@
+/* Axes: a side's frame (topology.h) in space. */
+#ifndef GD_MESH_AXES_H
+#define GD_MESH_AXES_H
+
+#include "mesh/topology.h"
+
+struct gd__axes {
+    struct gd_vec3 origin, along,
+        across; /* origin: inside unit; unit vectors along the side, and across it into its face */
+};
+
+static inline struct gd__axes gd__axes_of_side(const struct gd_mesh *mesh, uint32_t side)
+{
+    struct gd_vec3 origin = mesh->position[mesh->origin[side]];
+    struct gd_vec3 along = gd_vec3_sub(mesh->position[gd__side_destination(mesh, side)], origin),
+                   apex = gd_vec3_sub(mesh->position[gd__side_apex(mesh, side)], origin);
+    along = gd_vec3_scale(along, 1 / gd_vec3_length(along));
+    struct gd_vec3 across = gd_vec3_along(apex, -gd_vec3_dot(apex, along), along);
+    return (struct gd__axes){origin, along, gd_vec3_scale(across, 1 / gd_vec3_length(across))};
+}
+
+#endif

@@ -1,0 +1,204 @@
+/* Batch: many queries in one request, a line each, answered in their order by the same steps as requests of their own
+ * (query.h).
+ *
+ * One worker takes line after line; a line that has to wait for somebody else's field parks the whole exchange. The
+ * answer is collected and leaves as a whole: when it has grown too large or too dear, or when the time is over, the
+ * lines that are left are told so. */
+#include "server/handlers/handlers.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "proto/accept.h"
+#include "proto/batch.h"
+#include "proto/decode.h"
+#include "server/handlers/description.h"
+#include "server/handlers/query.h"
+#include "server/handlers/request.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+#define NDJSON      "application/x-ndjson"
+#define ANSWER_MOST ((size_t)64 << 20) /* bytes of answers after which no line is begun */
+
+struct batch {
+    struct server_exchange *exchange;
+    struct server_surface *surface;
+    struct proto_batch_line line; /* in work */
+    struct server_query *query;   /* of that line; NULL: it is answered */
+    size_t begin;                 /* of its answer */
+    struct proto_writer writer;
+};
+
+static const struct server_query_kind *const kinds[] = {&server_query_distance, &server_query_path,
+                                                        &server_query_nearest, &server_query_matrix,
+                                                        &server_query_distance_to_set};
+
+static void free_batch(void *state)
+{
+    struct batch *batch = state;
+    server_query_destroy(batch->query);
+    server_surface_release(batch->surface);
+    proto_writer_free(&batch->writer);
+    free(batch);
+}
+
+/* --- a line's question -------------------------------------------------------------------------------------------- */
+
+static const struct server_query_kind *find_kind(const char *name, struct proto_problem *problem)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
+    proto_problem_refuse(problem, "/query",
+                         "a batch has no query \"%s\"; it takes distance, path, nearest, matrix and distance-to-set",
+                         name);
+    return NULL;
+}
+
+static bool create_query(struct batch *batch, const char *name, struct proto_problem *problem)
+{
+    const struct server_query_kind *kind = find_kind(name, problem);
+    if (!kind) return false;
+    batch->query = server_query_create(kind, batch->exchange, batch->surface);
+    if (!batch->query) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    double size = (double)batch->exchange->body.size;
+    batch->query->begun = (double)(batch->line.text - batch->exchange->body.bytes) / size;
+    batch->query->share = (double)batch->line.size / size;
+    return true;
+}
+
+static bool read_line(struct batch *batch, struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
+    struct proto_batch_query line;
+    if (!proto_batch_decode(&batch->line, &line, problem)) return false;
+    bool ok = create_query(batch, line.name, problem) &&
+              proto_batch_options(&line, &parameters, batch->query->kind->fields, &batch->query->options, problem) &&
+              batch->query->kind->decode(batch->query, line.document, problem);
+    proto_batch_query_free(&line);
+    return ok;
+}
+
+/* --- a line's answer ---------------------------------------------------------------------------------------------- */
+
+/* Is there time and room for another line? */
+static bool admit(const struct batch *batch, struct proto_problem *problem)
+{
+    const struct server_exchange *exchange = batch->exchange;
+    struct server_monitor monitor = {.exchange = batch->exchange, .share = 1};
+    struct gd_control control = server_exchange_control(&monitor);
+    enum gd_status status =
+        gd_control_check(&control, (double)(batch->line.text - exchange->body.bytes) / (double)exchange->body.size);
+    if (status) return proto_problem_from_status(problem, status, NULL);
+    if (batch->begin < ANSWER_MOST) return true;
+    proto_problem_set(
+        problem, PROTO_PROBLEM_TOO_LARGE,
+        "the answers before this line take the %zu bytes that those of a batch may take; send this line and "
+        "the rest as another batch",
+        ANSWER_MOST);
+    return proto_problem_limit(problem, ANSWER_MOST);
+}
+
+/* Counts what the answer holds by now. */
+static bool hold(struct batch *batch, struct proto_problem *problem)
+{
+    struct server_budget *budget = &batch->exchange->server->budget;
+    size_t more = batch->writer.capacity > batch->exchange->held ? batch->writer.capacity - batch->exchange->held : 0;
+    if (!proto_writer_check(&batch->writer, problem)) return false;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, more))
+        return server_budget_refuse(budget, "the answer", more, problem);
+    batch->exchange->held += more;
+    return true;
+}
+
+static void end_line(struct batch *batch, bool ok, struct proto_problem *problem)
+{
+    if (ok) {
+        batch->query->kind->encode(batch->query, &batch->writer);
+        proto_batch_end(&batch->writer, batch->begin);
+        ok = hold(batch, problem);
+    }
+    if (!ok) proto_batch_refuse(&batch->writer, batch->begin, &batch->line, problem);
+    server_query_destroy(batch->query);
+    batch->query = NULL;
+}
+
+/* False: the exchange is parked. */
+static bool take_turn(struct batch *batch, enum server_query_turn turn, struct proto_problem *problem)
+{
+    if (turn == SERVER_QUERY_DONE || turn == SERVER_QUERY_FAILED) end_line(batch, turn == SERVER_QUERY_DONE, problem);
+    return turn != SERVER_QUERY_PARKED;
+}
+
+/* --- line by line ------------------------------------------------------------------------------------------------- */
+
+/* False: there are no more lines. */
+static bool begin_line(struct batch *batch)
+{
+    const struct server_body *body = &batch->exchange->body;
+    struct proto_problem problem;
+    if (!proto_batch_next(body->bytes, body->size, &batch->line)) return false;
+    batch->begin = proto_batch_begin(&batch->writer);
+    if (admit(batch, &problem) && read_line(batch, &problem))
+        take_turn(batch, server_query_glance(batch->query, &problem), &problem);
+    else
+        end_line(batch, false, &problem);
+    return true;
+}
+
+static bool work(struct server_exchange *exchange)
+{
+    struct batch *batch = exchange->state;
+    struct proto_problem problem;
+    while (batch->query || begin_line(batch)) {
+        if (!batch->query) continue;
+        if (!take_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem)) return false;
+    }
+    server_description_tag(exchange, batch->surface->record);
+    server_reply_text(exchange, 200, NDJSON, &batch->writer);
+    return true;
+}
+
+/* --- the request -------------------------------------------------------------------------------------------------- */
+
+static bool is_ndjson(const char *content_type)
+{
+    size_t size = content_type ? strcspn(content_type, "; \t") : 0;
+    return !content_type || (size == strlen(NDJSON) && strncasecmp(content_type, NDJSON, size) == 0);
+}
+
+static bool check(struct server_exchange *exchange, struct proto_options *options, struct proto_problem *problem)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    if (!proto_accept_quality(server_exchange_header(exchange, "Accept"), NDJSON))
+        return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                                 "the answer is lines of JSON; send Accept: " NDJSON " or none");
+    if (!is_ndjson(server_exchange_header(exchange, "Content-Type")))
+        return proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+                                 "a batch is lines of JSON: send it with the header Content-Type: " NDJSON);
+    return proto_batch_parse(&parameters, options, problem);
+}
+
+void server_handle_batch(struct server_exchange *exchange)
+{
+    struct proto_options options;
+    struct proto_problem problem;
+    if (!check(exchange, &options, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    struct batch *batch = calloc(1, sizeof *batch);
+    if (!batch) {
+        server_surface_release(surface);
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+        return;
+    }
+    *batch = (struct batch){.exchange = exchange, .surface = surface};
+    proto_writer_init(&batch->writer, SERVER_REPLY_MOST);
+    server_exchange_keep(exchange, batch, free_batch);
+    server_exchange_shorten(exchange, options.timeout_ms);
+    server_exchange_defer(exchange, work, NULL);
+}

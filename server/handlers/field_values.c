@@ -1,0 +1,203 @@
+/* Field values: what a field says of vertices, of points and of edges. */
+#include "server/handlers/handlers.h"
+
+#include <endian.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/field.h"
+#include "server/handlers/evaluation.h"
+#include "server/handlers/field_query.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+#define BYTES_A_NUMBER 24    /* of the answer's text, at most */
+#define QUICK_VERTICES 10000 /* as many as an HTTP thread may write */
+#define WHAT           "the answer"
+
+/* --- of all vertices ---------------------------------------------------------------------------------------------- */
+
+struct values {
+    struct server_field_query field; /* first */
+    double *values;                  /* by index; what is not finite is null */
+    size_t held;                     /* bytes of SERVER_BUDGET_FLIGHT */
+};
+
+static uint32_t value_count(const struct server_query *query)
+{
+    return gd_mesh_summary(query->surface->mesh)->index_count;
+}
+
+static enum gd_status reserve_values(struct values *values)
+{
+    struct server_budget *budget = &values->field.query.exchange->server->budget;
+    size_t count = value_count(&values->field.query), bytes = count * (sizeof *values->values + BYTES_A_NUMBER);
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
+    values->held = bytes;
+    values->values = malloc(count * sizeof *values->values);
+    return values->values ? GD_OK : GD_NO_MEMORY;
+}
+
+static enum server_query_turn answer_values(struct server_field_query *query, const struct gd_field *field,
+                                            struct server_monitor *part, struct proto_problem *problem)
+{
+    struct values *values = (struct values *)query;
+    double most = query->request.radius;
+    enum gd_status status = reserve_values(values);
+    (void)part;
+    if (status) return server_query_fail(&query->query, status, WHAT, problem);
+    gd_field_vertex_distances(field, values->values);
+    for (uint32_t i = 0; i < value_count(&query->query) && most > 0; i++)
+        if (values->values[i] > most) values->values[i] = INFINITY;
+    return SERVER_QUERY_DONE;
+}
+
+static bool parse_values(struct server_query *query, const struct proto_parameters *parameters,
+                         struct proto_problem *problem)
+{
+    struct server_field_query *field = (struct server_field_query *)query;
+    (void)parameters;
+    field->answer = answer_values;
+    field->is_quick = value_count(query) <= QUICK_VERTICES;
+    return server_field_query_of_resource(field, problem);
+}
+
+static void encode_values(const struct server_query *query, struct proto_writer *writer)
+{
+    proto_values_encode(writer, ((const struct values *)query)->values, value_count(query));
+}
+
+/* Little-endian, NaN for null. */
+static void *values_as_bytes(const struct server_query *query, size_t *size)
+{
+    const struct values *values = (const struct values *)query;
+    uint32_t count = value_count(query);
+    uint64_t *bytes = malloc(count * sizeof *bytes);
+    if (!bytes) return NULL;
+    for (uint32_t i = 0; i < count; i++) {
+        double value = isfinite(values->values[i]) ? values->values[i] : NAN;
+        memcpy(&bytes[i], &value, sizeof value);
+        bytes[i] = htole64(bytes[i]);
+    }
+    *size = count * sizeof *bytes;
+    return bytes;
+}
+
+/* The two forms have one ETag. */
+static unsigned values_status(struct server_query *query)
+{
+    server_reply_header(query->exchange, "Vary", "Accept");
+    return 200;
+}
+
+static void release_values(struct server_query *query)
+{
+    struct values *values = (struct values *)query;
+    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, values->held);
+    free(values->values);
+    server_field_query_release(query);
+}
+
+static const struct server_query_kind values_kind = {.name = "values",
+                                                     .size = sizeof(struct values),
+                                                     .fields = proto_values_fields,
+                                                     .parse = parse_values,
+                                                     .glance = server_field_query_glance,
+                                                     .join = server_field_query_join,
+                                                     .solve = server_field_query_solve,
+                                                     .encode = encode_values,
+                                                     .bytes = values_as_bytes,
+                                                     .release = release_values,
+                                                     .status = values_status};
+
+void server_handle_get_field_values(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &values_kind);
+}
+
+/* --- of points ---------------------------------------------------------------------------------------------------- */
+
+static bool decode_points(struct server_query *query, const json_t *document, struct proto_problem *problem)
+{
+    struct server_evaluation *evaluation = (struct server_evaluation *)query;
+    struct proto_evaluation wanted;
+    if (!server_field_query_of_resource(&evaluation->field, problem)) return false;
+    if (!proto_evaluation_decode(document, &wanted, problem)) return false;
+    bool ok = server_evaluation_locate(evaluation, &wanted, problem);
+    proto_evaluation_free(&wanted);
+    return ok;
+}
+
+static const struct server_query_kind evaluate_kind = {.name = "evaluate",
+                                                       .size = sizeof(struct server_evaluation),
+                                                       .fields = proto_evaluation_fields,
+                                                       .decode = decode_points,
+                                                       .glance = server_field_query_glance,
+                                                       .join = server_field_query_join,
+                                                       .solve = server_field_query_solve,
+                                                       .encode = server_evaluation_encode,
+                                                       .release = server_evaluation_release};
+
+void server_handle_evaluate_field(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &evaluate_kind);
+}
+
+/* --- of an edge --------------------------------------------------------------------------------------------------- */
+
+struct edge {
+    struct server_field_query field; /* first */
+    struct gd_vertex ends[2];
+    struct gd_wedge *wedges; /* owned */
+    uint32_t count;
+};
+
+static enum server_query_turn answer_edge(struct server_field_query *query, const struct gd_field *field,
+                                          struct server_monitor *part, struct proto_problem *problem)
+{
+    struct edge *edge = (struct edge *)query;
+    (void)part;
+    enum gd_status status = gd_field_wedges(field, edge->ends[0], edge->ends[1], &edge->wedges, &edge->count);
+    if (!status) return SERVER_QUERY_DONE;
+    server_query_fail(&query->query, status, WHAT, problem);
+    if (status == GD_NO_SUCH_EDGE) proto_problem_at(problem, "edge");
+    return SERVER_QUERY_FAILED;
+}
+
+static bool parse_edge(struct server_query *query, const struct proto_parameters *parameters,
+                       struct proto_problem *problem)
+{
+    struct edge *edge = (struct edge *)query;
+    edge->field.answer = answer_edge;
+    edge->field.is_quick = true;
+    return server_field_query_of_resource(&edge->field, problem) && proto_wedges_parse(parameters, edge->ends, problem);
+}
+
+static void encode_edge(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct edge *edge = (const struct edge *)query;
+    proto_wedges_encode(writer, edge->ends, edge->wedges, edge->count, query->options.fields);
+}
+
+static void release_edge(struct server_query *query)
+{
+    free(((struct edge *)query)->wedges);
+    server_field_query_release(query);
+}
+
+static const struct server_query_kind wedges_kind = {.name = "wedges",
+                                                     .size = sizeof(struct edge),
+                                                     .fields = proto_wedges_fields,
+                                                     .parameters = proto_wedges_parameters,
+                                                     .parse = parse_edge,
+                                                     .glance = server_field_query_glance,
+                                                     .join = server_field_query_join,
+                                                     .solve = server_field_query_solve,
+                                                     .encode = encode_edge,
+                                                     .release = release_edge};
+
+void server_handle_get_field_wedges(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &wedges_kind);
+}

@@ -1,0 +1,231 @@
+/* Fields: the distances from a set as a resource. Made, listed, described, removed. */
+#include "server/handlers/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "proto/page.h"
+#include "server/cache.h"
+#include "server/handlers/field_query.h"
+#include "server/handlers/request.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+#define WHAT "the field"
+
+/* --- make --------------------------------------------------------------------------------------------------------- */
+
+struct making {
+    struct server_field_query field; /* first; its set passes to the resource */
+    char id[PROTO_FIELD_ID + 1];
+    bool is_new;
+};
+
+/* True when it is a resource already, which is then the query's. */
+static bool is_listed(struct making *making)
+{
+    struct server_field_query *field = &making->field;
+    struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
+    if (field->resource) return true;
+    return catalogue && server_catalogue_find(catalogue, making->id, &field->resource) == SERVER_CATALOGUE_FOUND;
+}
+
+static bool locate(struct making *making, const struct proto_field_request *wanted, struct proto_problem *problem)
+{
+    const struct server_surface *surface = making->field.query.surface;
+    struct proto_located_set *set = proto_set_locate(surface->mesh, &wanted->set, problem);
+    if (!set) return false;
+    server_field_query_of_set(&making->field, set, wanted->max_distance);
+    if (!server_resource_name(surface->record->etag, set, wanted->max_distance, making->id))
+        return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    making->field.is_quick = is_listed(making);
+    return true;
+}
+
+/* Where the distance is largest, of a field that has no limit. */
+static enum gd_status find_farthest(const struct gd_field *field, struct server_monitor *part,
+                                    struct proto_field_description *description)
+{
+    const struct gd_control control = server_exchange_control(part);
+    enum gd_status status = gd_field_farthest(field, &control, &description->farthest, &description->max);
+    if (status != GD_BEYOND_REACH) return status;
+    description->max = NAN;
+    return GD_OK;
+}
+
+static enum gd_status describe(const struct making *making, const struct gd_field *field, struct server_monitor *part,
+                               struct proto_field_description *out)
+{
+    const struct gd_field_statistics *statistics = gd_field_statistics(field);
+    *out = (struct proto_field_description){.wedges = statistics->wedges,
+                                            .bytes = gd_field_memsize(field),
+                                            .build_ms = (double)statistics->build_ns / 1e6,
+                                            .max_distance = making->field.request.radius,
+                                            .members = making->field.set->count};
+    return find_farthest(field, part, out);
+}
+
+/* Lists the field as a resource, unless another request has done so by now. */
+static enum gd_status list(struct making *making, const struct proto_field_description *description)
+{
+    struct server_field_query *field = &making->field;
+    struct server_catalogue *catalogue = server_record_catalogue(field->query.surface->record);
+    struct server_budget *budget = &field->query.exchange->server->budget;
+    if (!catalogue) return GD_NO_MEMORY;
+    field->resource = server_resource_create(making->id, field->own_set, description, budget);
+    if (!field->resource) return GD_BUDGET;
+    field->own_set = NULL;
+    making->is_new = server_catalogue_add(catalogue, &field->resource);
+    field->set = field->resource->set;
+    field->request = server_resource_request(field->resource);
+    return GD_OK;
+}
+
+static enum server_query_turn answer(struct server_field_query *query, const struct gd_field *field,
+                                     struct server_monitor *part, struct proto_problem *problem)
+{
+    struct making *making = (struct making *)query;
+    struct proto_field_description description;
+    if (is_listed(making)) return SERVER_QUERY_DONE;
+    enum gd_status status = describe(making, field, part, &description);
+    if (!status) status = list(making, &description);
+    return status ? server_query_fail(&query->query, status, WHAT, problem) : SERVER_QUERY_DONE;
+}
+
+static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+{
+    struct making *making = (struct making *)query;
+    struct proto_field_request wanted;
+    if (!proto_field_decode(document, &wanted, problem)) return false;
+    making->field.answer = answer;
+    bool ok = locate(making, &wanted, problem);
+    proto_set_free(&wanted.set);
+    return ok;
+}
+
+static void encode_resource(const struct server_query *query, struct proto_writer *writer)
+{
+    const struct server_field_query *field = (const struct server_field_query *)query;
+    proto_field_encode(writer, query->surface->mesh, &field->resource->description, query->options.fields);
+}
+
+static unsigned status(struct server_query *query)
+{
+    const struct making *making = (const struct making *)query;
+    server_reply_header(query->exchange, "Location", "/v1/meshes/%s/fields/%s", query->surface->record->name,
+                        making->id);
+    return making->is_new ? 201 : 200;
+}
+
+static const struct server_query_kind make_field = {.name = "fields",
+                                                    .size = sizeof(struct making),
+                                                    .fields = proto_field_fields,
+                                                    .decode = decode,
+                                                    .glance = server_field_query_glance,
+                                                    .join = server_field_query_join,
+                                                    .solve = server_field_query_solve,
+                                                    .encode = encode_resource,
+                                                    .release = server_field_query_release,
+                                                    .status = status};
+
+void server_handle_create_field(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &make_field);
+}
+
+/* --- describe ----------------------------------------------------------------------------------------------------- */
+
+static bool parse_id(struct server_query *query, const struct proto_parameters *parameters,
+                     struct proto_problem *problem)
+{
+    (void)parameters;
+    return server_field_query_of_resource((struct server_field_query *)query, problem);
+}
+
+/* What is told needs no wedges. */
+static enum server_query_turn tell(struct server_query *query, struct proto_problem *problem)
+{
+    (void)query, (void)problem;
+    return SERVER_QUERY_DONE;
+}
+
+static const struct server_query_kind describe_field = {.name = "field",
+                                                        .size = sizeof(struct server_field_query),
+                                                        .fields = proto_field_fields,
+                                                        .parse = parse_id,
+                                                        .glance = tell,
+                                                        .solve = tell,
+                                                        .encode = encode_resource,
+                                                        .release = server_field_query_release};
+
+void server_handle_get_field(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &describe_field);
+}
+
+/* --- list --------------------------------------------------------------------------------------------------------- */
+
+static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, struct server_resource **resources,
+                       uint32_t count, uint32_t limit)
+{
+    uint32_t written = count < limit ? count : limit;
+    proto_field_list_begin(writer);
+    for (uint32_t i = 0; i < written; i++)
+        proto_field_encode(writer, mesh, &resources[i]->description, PROTO_FIELD_FIELD_ALL);
+    proto_field_list_end(writer, count > limit ? resources[limit - 1]->id : NULL);
+}
+
+static void reply_page(struct server_exchange *exchange, struct server_surface *surface, const struct proto_page *page)
+{
+    struct server_resource *resources[PROTO_PAGE_MOST + 1]; /* one more tells whether there is a next page */
+    struct server_catalogue *catalogue = server_record_catalogue(surface->record);
+    struct proto_writer writer;
+    uint32_t count = catalogue ? server_catalogue_list(catalogue, page->after, page->limit + 1, resources) : 0;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    write_page(&writer, surface->mesh, resources, count, page->limit);
+    for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
+    server_reply_json(exchange, 200, &writer);
+}
+
+void server_handle_list_fields(struct server_exchange *exchange)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    struct proto_page page;
+    if (!server_reply_accepts_json(exchange)) return;
+    if (!proto_page_parse(&parameters, &page, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    reply_page(exchange, surface, &page);
+    server_surface_release(surface);
+}
+
+/* --- remove ------------------------------------------------------------------------------------------------------- */
+
+/* Takes the field from the list and its wedges from the cache; false with the problem. */
+static bool remove_field(struct server_exchange *exchange, const struct server_listed *mesh,
+                         struct proto_problem *problem)
+{
+    struct server_resource *resource = server_find_resource(exchange, mesh->record, problem);
+    if (!resource) return false;
+    struct gd_field_request request = server_resource_request(resource);
+    server_resource_release(server_catalogue_remove(server_record_catalogue(mesh->record), resource->id));
+    if (mesh->surface) server_cache_drop(mesh->surface->shelf, &request);
+    server_resource_release(resource);
+    return true;
+}
+
+void server_handle_delete_field(struct server_exchange *exchange)
+{
+    struct server_listed mesh;
+    struct proto_problem problem;
+    if (!server_request_is_plain(exchange) || !server_request_record(exchange, &mesh)) return;
+    if (remove_field(exchange, &mesh, &problem))
+        server_reply_empty(exchange, 204);
+    else
+        server_reply_problem(exchange, &problem);
+    server_listed_release(&mesh);
+}

@@ -1,0 +1,231 @@
+/* Jobs: operations that are answered later, and what clients ask about them. */
+#include "server/handlers/handlers.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/accept.h"
+#include "proto/job.h"
+#include "proto/page.h"
+#include "server/events.h"
+#include "server/handlers/request.h"
+#include "server/jobs.h"
+#include "server/reply.h"
+#include "server/server.h"
+#include "server/timekeeper.h"
+
+#define EVENT_STREAM "text/event-stream"
+
+/* --- found -------------------------------------------------------------------------------------------------------- */
+
+/* The job that the path names, for the caller to release; NULL: replied. */
+static struct server_async *find_job(struct server_exchange *exchange)
+{
+    const struct proto_capture *id = &exchange->match.captures[0];
+    struct server_async *job = server_jobs_find(exchange->server->jobs, id->text, id->length);
+    if (!job)
+        server_reply_refusal(
+            exchange, PROTO_PROBLEM_NOT_FOUND,
+            "there is no job of this id: it was removed, or has ended some time ago, or the daemon was "
+            "started again; GET /v1/jobs lists those that there are");
+    return job;
+}
+
+/* Takes the bytes that an answer copies from a job, until the exchange ends. False: replied. */
+static bool hold(struct server_exchange *exchange, size_t bytes)
+{
+    struct server_budget *budget = &exchange->server->budget;
+    struct proto_problem problem;
+    if (server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) {
+        exchange->held += bytes;
+        return true;
+    }
+    server_budget_refuse(budget, "the answer", bytes, &problem);
+    server_reply_problem(exchange, &problem);
+    return false;
+}
+
+/* --- told --------------------------------------------------------------------------------------------------------- */
+
+static void reply_told(struct server_exchange *exchange, unsigned status, const struct proto_job *told)
+{
+    struct proto_writer writer;
+    if (told->answer && !hold(exchange, told->answer->size)) return;
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_job_encode(&writer, told, PROTO_JOB_FULL);
+    server_reply_json(exchange, status, &writer);
+}
+
+/* What the operation answered, as it did. */
+static void reply_answer(struct server_exchange *exchange, const struct proto_job_answer *answer)
+{
+    char *body = NULL;
+    if (!hold(exchange, answer->size)) return;
+    if (answer->size && !(body = malloc(answer->size))) {
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        return;
+    }
+    if (body) memcpy(body, answer->body, answer->size);
+    for (uint32_t i = 0; i < answer->header_count; i++)
+        server_reply_header(exchange, answer->headers[i].name, "%s", answer->headers[i].value);
+    server_reply_bytes(exchange, answer->status, answer->media_type, body, answer->size);
+}
+
+void server_handle_get_job(struct server_exchange *exchange)
+{
+    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
+    struct server_async *job = find_job(exchange);
+    if (!job) return;
+    struct proto_job told = server_async_look(job);
+    reply_told(exchange, 200, &told);
+    server_async_release(job);
+}
+
+void server_handle_get_job_result(struct server_exchange *exchange)
+{
+    if (!server_request_is_plain(exchange)) return;
+    struct server_async *job = find_job(exchange);
+    if (!job) return;
+    struct proto_job told = server_async_look(job);
+    if (told.answer)
+        reply_answer(exchange, told.answer);
+    else
+        server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
+                             told.state == PROTO_JOB_CANCELLED
+                                 ? "the job was cancelled and has no answer; ask again"
+                                 : "the job has not ended; its events tell when it has, or ask again later");
+    server_async_release(job);
+}
+
+static void write_page(struct proto_writer *writer, struct server_async *const *jobs, uint32_t count, uint32_t limit)
+{
+    uint32_t written = count < limit ? count : limit;
+    proto_job_list_begin(writer);
+    for (uint32_t i = 0; i < written; i++) {
+        struct proto_job told = server_async_look(jobs[i]);
+        proto_job_encode(writer, &told, PROTO_JOB_BRIEF);
+    }
+    proto_job_list_end(writer, count > limit ? server_async_look(jobs[limit - 1]).id : NULL);
+}
+
+void server_handle_list_jobs(struct server_exchange *exchange)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    struct proto_page page;
+    struct proto_writer writer;
+    struct server_async *jobs[PROTO_PAGE_MOST + 1];
+    if (!server_reply_accepts_json(exchange)) return;
+    if (!proto_page_parse(&parameters, &page, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    uint32_t count = server_jobs_list(exchange->server->jobs, page.after, page.limit + 1,
+                                      jobs); /* one more tells whether there is a next page */
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    write_page(&writer, jobs, count, page.limit);
+    for (uint32_t i = 0; i < count; i++) server_async_release(jobs[i]);
+    server_reply_json(exchange, 200, &writer);
+}
+
+/* --- begun and ended ---------------------------------------------------------------------------------------------- */
+
+/* A job that the daemon had no room or time for: its client is told so at once, and there is nothing to come back for. */
+static bool was_refused(const struct proto_job *told)
+{
+    return told->answer && told->answer->status == 503;
+}
+
+static void reply_started(struct server_exchange *exchange, struct server_async *job)
+{
+    struct proto_job told = server_async_look(job);
+    if (was_refused(&told)) {
+        reply_answer(exchange, told.answer);
+        server_jobs_cancel(exchange->server->jobs, job);
+        return;
+    }
+    server_reply_header(exchange, "Location", "/v1/jobs/%s", told.id);
+    server_reply_header(exchange, "Preference-Applied", "respond-async");
+    reply_told(exchange, 202, &told);
+}
+
+void server_handle_async(struct server_exchange *exchange)
+{
+    struct proto_problem problem;
+    struct server_async *job = server_jobs_start(exchange->server->jobs, exchange, &problem);
+    if (job)
+        reply_started(exchange, job);
+    else
+        server_reply_problem(exchange, &problem);
+    server_async_release(job);
+}
+
+void server_handle_delete_job(struct server_exchange *exchange)
+{
+    if (!server_request_is_plain(exchange)) return;
+    struct server_async *job = find_job(exchange);
+    if (!job) return;
+    server_jobs_cancel(exchange->server->jobs, job);
+    server_async_release(job);
+    server_reply_empty(exchange, 204);
+}
+
+/* --- watched ------------------------------------------------------------------------------------------------------ */
+
+/* State and progress in one number. */
+static uint64_t event_version(void *user)
+{
+    struct proto_job told = server_async_look(user);
+    return (uint64_t)told.state << 32 | (uint64_t)(told.progress * UINT32_MAX);
+}
+
+static bool tell_event(void *user, struct proto_writer *writer)
+{
+    struct proto_job told = server_async_look(user);
+    proto_job_encode_event(writer, &told);
+    return !proto_job_has_ended(told.state);
+}
+
+static void release_job(void *user)
+{
+    server_async_release(user);
+}
+
+/* The stream has a reference of the job of its own. */
+static void reply_events(struct server_exchange *exchange, struct server_async *job)
+{
+    struct server *server = exchange->server;
+    const struct server_event_source source = {event_version, tell_event, release_job, server_async_retain(job)};
+    struct server_stream *stream = server_stream_open(server->events, &source);
+    if (!stream) {
+        server_async_release(job);
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        return;
+    }
+    server_timekeeper_wake(server->timekeeper);
+    server_reply_stream(exchange, 200, EVENT_STREAM, stream);
+}
+
+/* A browser that has seen the end connects again unless it is told that there is no more. */
+static bool has_seen_the_end(const struct server_exchange *exchange)
+{
+    const char *last = server_exchange_header(exchange, "Last-Event-ID");
+    return last && strcmp(last, PROTO_JOB_LAST_EVENT) == 0;
+}
+
+void server_handle_get_job_events(struct server_exchange *exchange)
+{
+    if (!server_request_is_plain(exchange)) return;
+    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), EVENT_STREAM) == 0) {
+        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                             "the answer is a stream of events; send Accept: " EVENT_STREAM " or none");
+        return;
+    }
+    struct server_async *job = find_job(exchange);
+    if (!job) return;
+    if (has_seen_the_end(exchange))
+        server_reply_empty(exchange, 204);
+    else
+        reply_events(exchange, job);
+    server_async_release(job);
+}

@@ -1,0 +1,178 @@
+/* See query.h. */
+#include "server/handlers/query.h"
+
+#include <stdlib.h>
+
+#include "proto/accept.h"
+#include "server/handlers/description.h"
+#include "server/handlers/request.h"
+#include "server/reply.h"
+#include "server/server.h"
+
+#define JSON  "application/json"
+#define BYTES "application/octet-stream"
+
+/* --- life --------------------------------------------------------------------------------------------------------- */
+
+struct server_query *server_query_create(const struct server_query_kind *kind, struct server_exchange *exchange,
+                                         struct server_surface *surface)
+{
+    struct server_query *query = calloc(1, kind->size);
+    if (!query) return NULL;
+    *query = (struct server_query){
+        .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
+    return query;
+}
+
+void server_query_destroy(struct server_query *query)
+{
+    if (!query) return;
+    if (query->kind->release) query->kind->release(query);
+    server_surface_release(query->surface);
+    free(query);
+}
+
+enum server_query_turn server_query_glance(struct server_query *query, struct proto_problem *problem)
+{
+    return query->kind->glance ? query->kind->glance(query, problem) : SERVER_QUERY_AGAIN;
+}
+
+struct server_monitor server_query_monitor(const struct server_query *query, double begun, double share)
+{
+    return (struct server_monitor){
+        .exchange = query->exchange, .begun = query->begun + query->share * begun, .share = query->share * share};
+}
+
+struct server_monitor server_monitor_portion(const struct server_monitor *whole, double begun, double share)
+{
+    return (struct server_monitor){
+        .exchange = whole->exchange, .begun = whole->begun + whole->share * begun, .share = whole->share * share};
+}
+
+void server_query_count(const struct server_query *query, enum gd_status status)
+{
+    server_metrics_count_status(query->exchange->server->metrics, status);
+}
+
+enum server_query_turn server_query_fail(const struct server_query *query, enum gd_status status, const char *what,
+                                         struct proto_problem *problem)
+{
+    server_query_count(query, status);
+    if (status == GD_BUDGET)
+        server_budget_refuse(&query->exchange->server->budget, what, 0, problem);
+    else
+        proto_problem_from_status(problem, status, NULL);
+    return SERVER_QUERY_FAILED;
+}
+
+/* --- a request of its own ----------------------------------------------------------------------------------------- */
+
+/* The float64 form only where it is wanted more than JSON. */
+static bool wants_bytes(const struct server_exchange *exchange, const struct server_query_kind *kind)
+{
+    const char *accept = server_exchange_header(exchange, "Accept");
+    return kind->bytes && proto_accept_quality(accept, BYTES) > proto_accept_quality(accept, JSON);
+}
+
+static void reply_bytes(struct server_query *query)
+{
+    size_t size = 0;
+    void *bytes = query->kind->bytes(query, &size);
+    if (bytes)
+        server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
+    else
+        server_reply_refusal(query->exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+}
+
+static void reply_answer(struct server_query *query)
+{
+    struct proto_writer writer;
+    unsigned status = query->kind->status ? query->kind->status(query) : 200;
+    server_description_tag(query->exchange, query->surface->record);
+    if (wants_bytes(query->exchange, query->kind)) {
+        reply_bytes(query);
+        return;
+    }
+    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    query->kind->encode(query, &writer);
+    server_reply_json(query->exchange, status, &writer);
+}
+
+/* False: the exchange is not its own any more. */
+static bool reply_turn(struct server_query *query, enum server_query_turn turn, const struct proto_problem *problem)
+{
+    switch (turn) {
+    case SERVER_QUERY_DONE:
+        reply_answer(query);
+        break;
+    case SERVER_QUERY_FAILED:
+        server_reply_problem(query->exchange, problem);
+        break;
+    case SERVER_QUERY_AGAIN:
+        break; /* without a reply: the dispatcher calls again */
+    case SERVER_QUERY_PARKED:
+        return false;
+    }
+    return true;
+}
+
+static bool work(struct server_exchange *exchange)
+{
+    struct server_query *query = exchange->state;
+    struct proto_problem problem;
+    return reply_turn(query, query->kind->solve(query, &problem), &problem);
+}
+
+static bool join(struct server_exchange *exchange)
+{
+    struct server_query *query = exchange->state;
+    return query->kind->join && query->kind->join(query);
+}
+
+static bool read_query(struct server_query *query, struct proto_problem *problem)
+{
+    const struct server_query_kind *kind = query->kind;
+    bool has_body = query->exchange->match.route->has_body;
+    struct proto_parameters parameters = server_exchange_parameters(query->exchange);
+    if (!proto_options_parse(&parameters, kind->fields, has_body ? NULL : kind->parameters, &query->options, problem))
+        return false;
+    if (!has_body) return kind->parse(query, &parameters, problem);
+    json_t *document = server_request_document(query->exchange, problem);
+    if (!document) return false;
+    bool ok = kind->decode(query, document, problem);
+    json_decref(document);
+    return ok;
+}
+
+static void free_query(void *query)
+{
+    server_query_destroy(query);
+}
+
+static void begin(struct server_query *query)
+{
+    struct server_exchange *exchange = query->exchange;
+    struct proto_problem problem;
+    server_exchange_keep(exchange, query, free_query);
+    if (!read_query(query, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    server_exchange_shorten(exchange, query->options.timeout_ms);
+    enum server_query_turn turn = server_query_glance(query, &problem);
+    reply_turn(query, turn, &problem);
+    if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, work, join);
+}
+
+void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)
+{
+    if (!wants_bytes(exchange, kind) && !server_reply_accepts_json(exchange)) return;
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    struct server_query *query = server_query_create(kind, exchange, surface);
+    server_surface_release(surface);
+    if (query)
+        begin(query);
+    else
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+}

@@ -1,0 +1,74 @@
+/* Jobs: operations that were accepted to be answered later (202), and their answers. What workers run is smaller: job.h.
+ *
+ *     job = server_jobs_start(jobs, exchange, &problem);     the request of the exchange becomes a job
+ *     ... server_async_look(job, &told);                     how it is getting on
+ *     server_async_release(job);
+ *
+ * DESIGN. A job is a transport (exchange.h): it carries an exchange of its own, made from the one that asked for it, through the
+ * router's dispatch, the handler and the workers, as a connection would, and keeps what it is answered with. So handlers
+ * know nothing of jobs, and a job parks on the same flights and loads as everybody else.
+ *
+ * States: queued -> running -> done | failed, and cancelled from the first two. Cancelled is what the client sees at once;
+ * the exchange, which nobody wants any more, is refused where it waits (job.h) or stopped by its control, and its answer is dropped.
+ *
+ * Bounds: ended jobs are dropped after a time, and before it, those that were made first, when there are too many or their
+ * answers have too many bytes (SERVER_BUDGET_JOBS). Jobs that have not ended are never dropped.
+ *
+ * Ownership: a job is counted, once for the table, once for its exchange, once for each that looks at it. Ids grow, so the table is
+ * in the order of both id and age.
+ *
+ * One mutex guards the table and states; under it nothing calls out, but the budget gets bytes back. All functions are
+ * thread-safe. */
+#ifndef SERVER_JOBS_H
+#define SERVER_JOBS_H
+
+#include "proto/job.h"
+#include "server/exchange.h"
+
+struct server_jobs;
+struct server_async; /* one job */
+
+/* `server` is borrowed. NULL without memory. */
+struct server_jobs *server_jobs_create(struct server *server);
+
+/* No exchange is deferred any more. NULL is harmless. */
+void server_jobs_destroy(struct server_jobs *jobs);
+
+/* Makes a job of a request whose body is there, and begins it; the caller has a reference. The exchange can be answered, but its
+ * body and parameters are the job's. NULL with overloaded, draining or insufficient_memory. */
+struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_exchange *exchange,
+                                       struct proto_problem *problem);
+
+/* The job of that id, for the caller to release; NULL: there is none, or none any more. */
+struct server_async *server_jobs_find(struct server_jobs *jobs, const char *id, size_t size);
+
+/* At most `most` jobs whose ids follow `after` (NULL: from the first), for the caller to release; returns how many. */
+uint32_t server_jobs_list(struct server_jobs *jobs, const char *after, uint32_t most, struct server_async **out);
+
+/* Cancels a job that has not ended, removes one that has. */
+void server_jobs_cancel(struct server_jobs *jobs, struct server_async *job);
+
+/* True when there are no jobs, ended or not. NULL: true. */
+bool server_jobs_is_empty(struct server_jobs *jobs);
+
+/* Drops the jobs that ended too long ago; looks once a second. NULL is harmless. */
+void server_jobs_sweep(struct server_jobs *jobs, uint64_t now_ns);
+
+/* Refuses the jobs that were not begun, and coming ones. */
+void server_jobs_drain(struct server_jobs *jobs);
+
+struct server_jobs_statistics {
+    uint64_t now[PROTO_JOB_STATE_COUNT];   /* jobs in the table */
+    uint64_t ended[PROTO_JOB_STATE_COUNT]; /* since the start; of the last three states */
+};
+struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs); /* NULL: all zero */
+
+/* --- one job ------------------------------------------------------------------------------------------------------ */
+
+struct server_async *server_async_retain(struct server_async *job);
+void server_async_release(struct server_async *job); /* NULL is harmless */
+
+/* How it is getting on. What the pointers point to lives as long as the caller's reference. */
+struct proto_job server_async_look(struct server_async *job);
+
+#endif

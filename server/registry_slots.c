@@ -1,0 +1,84 @@
+/* See registry_slots.h. */
+#include "server/registry_slots.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+uint32_t server_slots_lower_bound(const struct server_registry *registry, const char *name)
+{
+    uint32_t low = 0, high = registry->count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (strcmp(registry->slots[middle]->record->name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+struct server_slot *server_slots_find(const struct server_registry *registry, const char *name)
+{
+    uint32_t at = server_slots_lower_bound(registry, name);
+    if (at == registry->count || strcmp(registry->slots[at]->record->name, name) != 0) return NULL;
+    return registry->slots[at];
+}
+
+bool server_slots_reserve(struct server_registry *registry)
+{
+    if (registry->count < registry->capacity) return true;
+    uint32_t capacity = registry->capacity ? 2 * registry->capacity : 16;
+    struct server_slot **slots = realloc(registry->slots, capacity * sizeof(struct server_slot *));
+    if (!slots) return false;
+    registry->slots = slots;
+    registry->capacity = capacity;
+    return true;
+}
+
+struct server_slot *server_slot_create(struct server_record *record)
+{
+    struct server_slot *slot = calloc(1, sizeof *slot);
+    if (slot) slot->record = server_record_retain(record);
+    return slot;
+}
+
+void server_slots_insert(struct server_registry *registry, struct server_slot *slot)
+{
+    uint32_t at = server_slots_lower_bound(registry, slot->record->name);
+    memmove(&registry->slots[at + 1], &registry->slots[at], (registry->count - at) * sizeof(struct server_slot *));
+    registry->slots[at] = slot;
+    registry->count++;
+}
+
+struct server_slot *server_slots_extract(struct server_registry *registry, const char *name)
+{
+    uint32_t at = server_slots_lower_bound(registry, name);
+    struct server_slot *slot = registry->slots[at];
+    registry->count--;
+    memmove(&registry->slots[at], &registry->slots[at + 1], (registry->count - at) * sizeof(struct server_slot *));
+    return slot;
+}
+
+void server_slot_touch(struct server_registry *registry, struct server_slot *slot)
+{
+    atomic_store_explicit(&slot->turn, atomic_fetch_add_explicit(&registry->clock, 1, memory_order_relaxed),
+                          memory_order_relaxed);
+    atomic_fetch_add_explicit(&slot->uses, 1, memory_order_relaxed);
+    atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
+}
+
+void server_slot_retire(struct server_surface *surface)
+{
+    if (!surface) return;
+    server_surface_retire(surface);
+    server_surface_release(surface);
+}
+
+void server_slot_destroy(struct server_slot *slot)
+{
+    if (!slot) return;
+    server_slot_retire(slot->surface);
+    server_record_release(slot->record);
+    free(slot);
+}

@@ -1,0 +1,64 @@
+/* Slots: the inside of the registry, which its readers (registry.c) and its writers (registry_writing.c) share. See
+ * registry.h. */
+#ifndef SERVER_REGISTRY_SLOTS_H
+#define SERVER_REGISTRY_SLOTS_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "server/registry.h"
+
+struct server_slot {
+    struct server_record *record;
+    struct server_surface *surface; /* NULL: not in memory */
+    atomic_uint_least64_t uses;
+    atomic_int_least64_t last;  /* seconds since 1970 */
+    atomic_uint_least64_t turn; /* of the registry's clock, when it was used last */
+    uint64_t noted;             /* uses that the store knows; under the writer lock */
+    atomic_bool was_tried;      /* to be loaded before anybody asked */
+};
+
+struct server_registry {
+    struct server_store *store;
+    struct server_budget *budget;
+    struct server_workers *writer; /* of one thread */
+    pthread_mutex_t writing;
+    pthread_rwlock_t lock;
+    struct server_slot **slots; /* sorted by name */
+    uint32_t count, capacity;
+    void (*gone)(void *user, const struct server_record *record); /* NULL: nobody wants to know */
+    void *gone_user;
+    bool is_incomplete; /* the store has more than memory could be had for */
+    atomic_uint_least64_t clock, loads, unloads;
+};
+
+/* --- under the lock ----------------------------------------------------------------------------------------------- */
+
+/* Index of the first slot whose name is not before `name`. O(log n). */
+uint32_t server_slots_lower_bound(const struct server_registry *registry, const char *name);
+
+/* NULL: there is none of that name. O(log n). */
+struct server_slot *server_slots_find(const struct server_registry *registry, const char *name);
+
+/* Makes room for one more; false without memory. */
+bool server_slots_reserve(struct server_registry *registry);
+
+/* Room was reserved. O(n). */
+void server_slots_insert(struct server_registry *registry, struct server_slot *slot);
+
+/* Takes out the slot of that name, which there is. O(n). */
+struct server_slot *server_slots_extract(struct server_registry *registry, const char *name);
+
+/* Counts a use, now. */
+void server_slot_touch(struct server_registry *registry, struct server_slot *slot);
+
+/* --- without any lock --------------------------------------------------------------------------------------------- */
+
+/* A slot that stands nowhere as yet, without a surface; the record is retained. NULL without memory. */
+struct server_slot *server_slot_create(struct server_record *record);
+void server_slot_destroy(struct server_slot *slot); /* its surface is retired; NULL is harmless */
+
+/* Retires and releases a surface that has left its slot; NULL is harmless. */
+void server_slot_retire(struct server_surface *surface);
+
+#endif

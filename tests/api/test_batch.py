@@ -1,0 +1,211 @@
+"""Batches: each line is answered as the query would be alone."""
+import gzip
+import json
+import random
+import threading
+import time
+import unittest
+
+from harness import SEARCHES, TWO_TRIANGLES, Daemon, TestCase, sample
+
+NDJSON = {"Content-Type": "application/x-ndjson"}
+
+
+def lines_of(*documents):
+    return "".join(json.dumps(document) + "\n" for document in documents)
+
+
+class Batches(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("ball", sample("icosphere", level=3))
+        cls.daemon.put("apart", TWO_TRIANGLES)
+
+    def batch(self, mesh, body, query="", **headers):
+        headers = {name.replace("_", "-"): value for name, value in headers.items()}
+        return self.daemon.request("POST", f"/v1/meshes/{mesh}/batch{query}", body, {**NDJSON, **headers})
+
+    def answers(self, mesh, body, query=""):
+        answer = self.batch(mesh, body, query)
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, "application/x-ndjson"), answer)
+        self.assertEqual(answer.headers["ETag"], self.daemon.get(f"/v1/meshes/{mesh}").headers["ETag"])
+        self.assertTrue(not answer.body or answer.body.endswith(b"\n"))
+        return [json.loads(line) for line in answer.body.splitlines()]
+
+    def assert_line(self, answer, status, code, line):
+        found = answer["status"], answer["code"], answer["elements"]
+        self.assertEqual(found, (status, code, [{"line": line}]), answer)
+        self.assertEqual(answer["type"], f"urn:geodesicd:problem:{code}")
+        return answer
+
+    def test_lines_are_queries_of_their_own(self):
+        a, b, c = {"vertex": 3}, {"xyz": [1, 2, 3]}, {"face": 7, "barycentric": [0.5, 0.25, 0.25]}
+        queries = [
+            ("distance", {"from": a, "to": b}),
+            ("path", {"from": b, "to": c, "via": [a]}),
+            ("nearest", {"point": b}),
+            ("matrix", {"sources": [a, b], "targets": [a, b, c]}),
+            ("matrix", {"sources": [a] * 9, "targets": [b, c] * 9, "max_distance": 1.5}),
+            ("distance-to-set", {"set": {"points": [{**a, "label": "a"}, {**b, "offset": 0.5}]}, "points": [b, c], "path": True}),
+        ]
+        expected = [self.daemon.ask("ball", name, document) for name, document in queries]
+        found = self.answers("ball", lines_of(*({"query": name, **document} for name, document in queries)))
+        self.assertEqual(found, [{"status": answer.status, **answer.json} for answer in expected])
+
+    def test_problems_are_too(self):
+        queries = [("distance", {"from": {"vertex": 9999}, "to": {"vertex": 1}}), ("path", {"from": {"vertex": 0}}),
+                   ("nearest", {"point": {"ray": {"origin": [9, 9, 9], "direction": [1, 0, 0]}}}),
+                   ("matrix", {"sources": [{"vertex": 0}] * 2500, "targets": [{"vertex": 0}] * 2500}),
+                   ("distance-to-set", {"set": {"points": []}, "points": [{"vertex": 0}]}),
+                   ("distance-to-set", {"set": {"points": [{"vertex": 0}]}, "points": [{"vertex": 9999}]}),
+                   ("distance", {"from": {"vertex": 0}, "to": {"vertex": 1}, "path": True})]
+        found = self.answers("ball", lines_of(*({"query": name, **document} for name, document in queries)))
+        for number, (name, document) in enumerate(queries):
+            alone = self.daemon.ask("ball", name, document)
+            self.assertEqual({**alone.json, "elements": [{"line": number + 1}]}, found[number])
+
+    def test_a_bad_line_spoils_only_itself(self):
+        good = json.dumps({"query": "distance", "from": {"vertex": 0}, "to": {"vertex": 1}, "fields": "distance"})
+        bad = ["nonsense", "[]", "{}", '{"query": 3}', '{"query": "batch"}', '{"query": "distance"', "\x00", "\xff",
+               '"x"', "{} {}", '{"query":"distance","query":"path"}', "[" * 50]
+        body = "".join(f"{good}\n{line}\n" for line in bad)
+        found = self.answers("ball", body.encode("latin-1"))
+        self.assertEqual(len(found), 2 * len(bad))
+        self.assertEqual(len({json.dumps(answer) for answer in found[::2]}), 1)
+        self.assertEqual(found[0]["status"], 200)
+        for number, answer in enumerate(found[1::2]):
+            self.assert_line(answer, 400, "invalid_request", 2 * number + 2)
+
+    def test_blank_lines_are_skipped_and_counted(self):
+        line = '{"query":"nearest","point":{"vertex":0},"fields":["vertex"]}'
+        found = self.answers("ball", f"\n\n{line}\r\n \t\r\n\nnonsense\n{line}")
+        self.assertEqual(found[::2], [{"status": 200, "vertex": 0}] * 2)
+        self.assert_line(found[1], 400, "invalid_request", 6)
+        self.assertEqual(self.answers("ball", "\n \n"), [])
+        self.assertEqual(self.answers("ball", ""), [])
+
+    def test_fields_and_geometry(self):
+        pair = {"from": {"vertex": 0}, "to": {"vertex": 30}}
+        found = self.answers("ball", lines_of(
+            {"query": "distance", **pair, "fields": "distance"},
+            {"query": "distance", **pair, "fields": ["to", "distance"]},
+            {"query": "path", **pair, "fields": ["path"], "geometry": "xyz"},
+            {"query": "path", **pair, "geometry": "none"},
+            {"query": "distance", **pair, "fields": "reason"},
+            {"query": "distance", **pair, "fields": "path"},
+            {"query": "distance", **pair, "geometry": "all"},
+            {"query": "distance", **pair, "fields": 3}))
+        self.assertEqual([list(answer) for answer in found[:2]], [["status", "distance"], ["status", "distance", "to"]])
+        self.assertTrue(all(len(point) == 3 for point in found[2]["path"]["points"]))
+        self.assertEqual(list(found[3]["path"]), ["length"])
+        self.assertEqual(found[4], {"status": 200})
+        for number, pointer in ((5, "/fields"), (6, "/geometry"), (7, "/fields")):
+            self.assertEqual(self.assert_line(found[number], 400, "invalid_request", number + 1)["pointer"], pointer)
+
+    def test_options_of_the_query_string_are_defaults(self):
+        pair = {"from": {"vertex": 0}, "to": {"vertex": 30}}
+        body = lines_of({"query": "path", **pair}, {"query": "path", **pair, "geometry": "full", "fields": "path"},
+                        {"query": "nearest", "point": {"vertex": 0}})
+        found = self.answers("ball", body, "?fields=distance,path&geometry=none")
+        self.assertEqual((list(found[0]), list(found[0]["path"])), (["status", "distance", "path"], ["length"]))
+        self.assertEqual((list(found[1]), list(found[1]["path"])), (["status", "path"], ["length", "points"]))
+        self.assertEqual(self.assert_line(found[2], 400, "invalid_request", 3)["parameter"], "fields")
+        for query in ("?geometry=all", "?from=v:0", "?timeout_ms=0"):
+            self.assert_problem(self.batch("ball", body, query), 400, "invalid_request")
+
+    def test_no_path(self):
+        found = self.answers("apart", lines_of(
+            {"query": "path", "from": {"vertex": 0}, "to": {"vertex": 4}},
+            {"query": "matrix", "sources": [{"vertex": 0}], "targets": [{"vertex": 4}]}))
+        self.assertEqual((found[0]["distance"], found[0]["reason"], found[0]["path"]), (None, "no_path", None))
+        self.assertEqual(found[1], {"status": 200, "distances": [[None]], "reasons": [["no_path"]]})
+
+    def test_media_types(self):
+        line = lines_of({"query": "nearest", "point": {"vertex": 0}})
+        self.assert_problem(self.batch("ball", line, Content_Type="application/json"), 415, "unsupported_media_type")
+        self.assertEqual(self.batch("ball", line, Content_Type="Application/X-NDJSON; charset=utf-8").status, 200)
+        self.assert_problem(self.batch("ball", line, Accept="application/json"), 406, "not_acceptable")
+        self.assertEqual(self.batch("ball", line, Accept="application/*").status, 200)
+
+    def test_compressed(self):
+        body = lines_of({"query": "path", "from": {"vertex": 0}, "to": {"vertex": 300}}) * 5
+        plain, packed = self.batch("ball", body), self.batch("ball", body, Accept_Encoding="gzip")
+        self.assertEqual(packed.headers["Content-Encoding"], "gzip")
+        self.assertEqual(gzip.decompress(packed.body), plain.body)
+
+    def test_a_line_may_be_too_long_and_a_body(self):
+        long = {"query": "matrix", "sources": [{"vertex": 0}], "targets": [{"vertex": 0}] * 20000}
+        good = {"query": "nearest", "point": {"vertex": 0}}
+        found = self.answers("ball", lines_of(good, long, good))
+        self.assertEqual(self.assert_line(found[1], 413, "too_large", 2)["limit"], 262144)
+        self.assertEqual(found[0], found[2])
+        answer = self.batch("ball", lines_of(good) * 40000)
+        self.assertIn("limit", self.assert_problem(answer, 413, "too_large"))
+
+    def test_a_mesh_that_is_not_there(self):
+        answer = self.batch("nobody", lines_of({"query": "nearest", "point": {"vertex": 0}}))
+        self.assert_problem(answer, 404, "not_found")
+
+    def test_many_lines(self):
+        numbers = random.Random(7)
+        pairs = [(numbers.randrange(642), numbers.randrange(642)) for _ in range(2000)]
+        found = self.answers("ball", lines_of(*(
+            {"query": "distance", "from": {"vertex": a}, "to": {"vertex": b}, "fields": "distance"} for a, b in pairs)))
+        every = [{"vertex": number} for number in range(642)]
+        matrix = self.daemon.ask("ball", "matrix", {"sources": every, "targets": every}).json["distances"]
+        for (a, b), answer in zip(pairs, found, strict=True):
+            self.assertAlmostEqual(answer["distance"], matrix[a][b], 12)
+
+    def test_a_source_that_is_asked_about_again_and_again_has_its_field_built(self):
+        self.daemon.put("fresh", sample("icosphere", level=4))
+        builds = self.daemon.metric("cache_builds_total")
+        targets = range(100, 100 + 2 * SEARCHES)
+        self.answers("fresh", lines_of(*(
+            {"query": "distance", "from": {"vertex": 7}, "to": {"vertex": number}} for number in targets)))
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
+
+    def test_the_time_is_over_for_the_lines_that_are_left(self):
+        self.daemon.put("large", sample("icosphere", level=6))
+        some = [{"vertex": number} for number in range(300)]
+        slow = {"query": "matrix", "sources": some, "targets": some}
+        quick = {"query": "nearest", "point": {"vertex": 0}}
+        begun = time.monotonic()
+        found = self.answers("large", lines_of(quick, slow, quick), "?timeout_ms=200")
+        self.assertLess(time.monotonic() - begun, 3)
+        self.assertEqual(found[0]["status"], 200)
+        self.assert_line(found[1], 504, "deadline_exceeded", 2)
+        self.assert_line(found[2], 504, "deadline_exceeded", 3)
+
+    def test_answers_have_a_largest_size(self):
+        many = [{"vertex": number} for number in range(642)] * 3
+        row = {"query": "matrix", "sources": many, "targets": many}
+        found = self.answers("ball", lines_of(row, row, row))
+        self.assertEqual([answer["status"] for answer in found], [200, 413, 413])
+        self.assertEqual(self.assert_line(found[1], 413, "too_large", 2)["limit"], 64 << 20)
+
+
+class Parked(unittest.TestCase):
+    def test_a_line_waits_for_a_field_that_another_request_builds(self):
+        with Daemon("--workers", "4") as daemon:
+            daemon.put("large", sample("icosphere", level=6))
+            daemon.ask_often("large", "v:5")
+            results = []
+            body = lines_of(*(
+                {"query": "distance", "from": {"vertex": 5}, "to": {"vertex": number}} for number in range(1000, 1010)))
+
+            def ask():
+                results.append(daemon.request("POST", "/v1/meshes/large/batch", body, NDJSON))
+
+            threads = [threading.Thread(target=ask) for _ in range(8)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual({answer.status for answer in results}, {200})
+            self.assertEqual(len({answer.body for answer in results}), 1)
+            self.assertEqual(daemon.metric("cache_builds_total"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

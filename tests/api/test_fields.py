@@ -1,0 +1,357 @@
+"""Fields as resources: their life, what they say of vertices, points and edges, and what becomes of them when memory is short."""
+import concurrent.futures
+import math
+import random
+import struct
+import tempfile
+import unittest
+
+from harness import SQUARE, TETRAHEDRON, TWO_TRIANGLES, Daemon, TestCase, sample
+
+DESCRIPTION = ["id", "wedges", "bytes", "build_ms", "max", "farthest", "members", "max_distance"]
+
+
+def vertices(*numbers, **more):
+    return {"set": {"points": [{"vertex": number} for number in numbers]}, **more}
+
+
+def random_point(chance, faces):
+    weights = [chance.expovariate(1) for _ in range(3)]
+    return {"face": chance.randrange(faces), "barycentric": [weight / sum(weights) for weight in weights]}
+
+
+class Fields(TestCase):
+    def make(self, mesh, document, status=201):
+        answer = self.daemon.ask(mesh, "fields", document)
+        self.assertEqual(answer.status, status, answer)
+        return answer.json
+
+    def get(self, mesh, path, **headers):
+        return self.daemon.get(f"/v1/meshes/{mesh}/fields/{path}", **headers)
+
+
+class Life(Fields):
+    def test_made_once(self):
+        self.daemon.put("tetrahedron", TETRAHEDRON)
+        first = self.daemon.ask("tetrahedron", "fields", vertices(0))
+        again = self.daemon.ask("tetrahedron", "fields", vertices(0))
+        self.assertEqual((first.status, again.status), (201, 200))
+        self.assertEqual(first.body, again.body)
+        field = first.json
+        self.assertEqual(list(field), DESCRIPTION)
+        self.assertRegex(field["id"], "^[0-9a-f]{32}$")
+        self.assertEqual(first.headers["Location"], f"/v1/meshes/tetrahedron/fields/{field['id']}")
+        self.assertEqual(first.headers["ETag"], self.daemon.get("/v1/meshes/tetrahedron").headers["ETag"])
+        self.assertEqual(self.get("tetrahedron", field["id"]).body, first.body)
+        self.assertEqual(self.daemon.get(first.headers["Location"] + "?fields=max,id").json, {"id": field["id"], "max": field["max"]})
+        self.assertEqual(self.daemon.get("/v1/meshes/tetrahedron").json["fields_cached"], 1)
+
+    def test_ids_tell_requests_apart(self):
+        self.daemon.put("ids", SQUARE)
+        documents = [
+            vertices(0),
+            vertices(1),
+            vertices(0, max_distance=0.5),
+            vertices(0, 1),
+            vertices(1, 0),
+            {"set": {"points": [{"vertex": 0, "offset": 1}]}},
+            {"set": {"points": [{"vertex": 0, "label": "home"}]}},
+        ]
+        ids = [self.make("ids", document)["id"] for document in documents]
+        self.assertEqual(len(set(ids)), len(ids))
+        self.assertEqual([self.make("ids", document, 200)["id"] for document in documents], ids)
+        self.assertEqual(self.make("ids", {"set": {"points": [{"xyz": [0, 0, 0]}]}}, 200)["id"], ids[0])
+
+    def test_list(self):
+        self.daemon.put("listed", SQUARE)
+        url = "/v1/meshes/listed/fields"
+        self.assertEqual(self.daemon.get(url).json, {"fields": [], "next": None})
+        fields = sorted((self.make("listed", vertices(number)) for number in range(4)), key=lambda field: field["id"])
+        self.assertEqual(self.daemon.get(url).json, {"fields": fields, "next": None})
+        first = self.daemon.get(f"{url}?limit=3").json
+        self.assertEqual((first["fields"], first["next"]), (fields[:3], fields[2]["id"]))
+        rest = self.daemon.get(f"{url}?limit=3&after={first['next']}").json
+        self.assertEqual(rest, {"fields": fields[3:], "next": None})
+
+    def test_removed(self):
+        self.daemon.put("removed", SQUARE)
+        field = self.make("removed", vertices(0))
+        url = f"/v1/meshes/removed/fields/{field['id']}"
+        self.assertEqual(self.daemon.request("DELETE", url).status, 204)
+        self.assert_problem(self.daemon.request("DELETE", url), 404, "not_found")
+        self.assert_problem(self.daemon.get(url), 404, "not_found")
+        self.assert_problem(self.daemon.get(f"{url}/values"), 404, "not_found")
+        self.assert_problem(self.daemon.ask("removed", f"fields/{field['id']}/evaluate", {"points": [{"vertex": 0}]}), 404, "not_found")
+        self.assertEqual(self.daemon.get("/v1/meshes/removed").json["fields_cached"], 0)
+        self.assertEqual(self.make("removed", vertices(0))["id"], field["id"])
+
+    def test_a_mesh_takes_its_fields_with_it(self):
+        for change in ("replaced", "deleted"):
+            self.daemon.put(change, SQUARE)
+            field = self.make(change, vertices(0))["id"]
+            self.daemon.put(change, SQUARE)  # the same again changes nothing
+            self.assertEqual(self.get(change, field).status, 200)
+            if change == "replaced":
+                self.daemon.put(change, TETRAHEDRON)
+            else:
+                self.daemon.request("DELETE", f"/v1/meshes/{change}")
+                self.assert_problem(self.get(change, field), 404, "not_found")
+            self.daemon.put(change, SQUARE)
+            self.assert_problem(self.get(change, field), 404, "not_found")
+
+    def test_one_of_many_at_once_builds(self):
+        self.daemon.put("crowd", sample("icosphere", level=4))
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(24) as pool:
+            answers = list(pool.map(lambda _: self.daemon.ask("crowd", "fields", vertices(7)), range(96)))
+        self.assertEqual(len({answer.body for answer in answers}), 1)
+        self.assertEqual(sorted(answer.status for answer in answers), [200] * 95 + [201])
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
+
+    def test_pairs_are_answered_from_the_field_of_a_point(self):
+        self.daemon.put("pairs", sample("icosphere", level=3))
+        self.make("pairs", vertices(7))
+        hits, searches = self.daemon.metric("cache_hits_total"), self.daemon.metric("searches_total")
+        self.assertEqual(self.daemon.get("/v1/meshes/pairs/distance?from=v:7&to=v:9").status, 200)
+        self.assertEqual(self.daemon.get("/v1/meshes/pairs/path?to=v:7&from=v:12").status, 200)
+        self.assertEqual(self.daemon.metric("cache_hits_total"), hits + 2)
+        self.assertEqual(self.daemon.metric("searches_total"), searches)
+
+    def test_refusals(self):
+        self.daemon.put("refusals", SQUARE)
+        for document, pointer in (
+            ({}, "/set"),
+            (vertices(0, radius=1), "/radius"),
+            (vertices(0, max_distance=0), "/max_distance"),
+            (vertices(9), "/set/points/0"),
+            ({"set": {"curves": [{"boundary": 0}]}}, "/set/curves"),
+        ):
+            problem = self.assert_problem(self.daemon.ask("refusals", "fields", document), 400, "invalid_request")
+            self.assertEqual(problem["pointer"], pointer)
+        field = self.make("refusals", vertices(0))["id"]
+        for path, parameter in (
+            (f"{field}/wedges", "edge"),
+            (f"{field}/wedges?edge=1", "edge"),
+            (f"{field}/wedges?edge=1-3", "edge"),
+            (f"{field}/values?fields=value", "fields"),
+            (f"{field}?level=1", "level"),
+        ):
+            problem = self.assert_problem(self.get("refusals", path), 400, "invalid_request")
+            self.assertEqual(problem["parameter"], parameter)
+        for unknown in ("x", field[:-1], field + "0", field[:-1] + "g", "%00" * 32):
+            self.assertIn(self.get("refusals", unknown).status, (400, 404), unknown)
+        self.assert_problem(self.get("refusals", f"{field}/values", Accept="image/png"), 406, "not_acceptable")
+        self.assert_problem(self.daemon.get("/v1/meshes/none/fields"), 404, "not_found")
+        self.assert_problem(self.daemon.ask("refusals", f"fields/{field}", {}), 405, "method_not_allowed")
+
+
+class Values(Fields):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.faces = {}
+        meshes = {
+            "grid": sample("grid", columns=12, rows=12),
+            "box": sample("box", cells=3),
+            "terrain": sample("terrain", cells=10, amplitude=1),
+            "torus": sample("torus"),
+            "apart": b"v 9 9 9\n" + TWO_TRIANGLES.replace(b"f 1 2 3\nf 4 5 6", b"f 2 3 4\nf 5 6 7"),
+        }
+        for name, body in meshes.items():
+            answer = cls.daemon.put(name, body)
+            assert answer.status == 201, answer
+            cls.faces[name] = answer.json["faces"]
+
+    def evaluate(self, mesh, field, points, options="", **more):
+        answer = self.daemon.ask(mesh, f"fields/{field}/evaluate{options}", {"points": points, **more})
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json["results"]
+
+    def test_evaluates_to_the_distance(self):
+        chance = random.Random(1)
+        for mesh in ("grid", "box", "terrain", "torus"):
+            source = random_point(chance, self.faces[mesh])
+            field = self.make(mesh, {"set": {"points": [source]}})["id"]
+            points = [random_point(chance, self.faces[mesh]) for _ in range(30)] + [{"vertex": 5}, source]
+            for point, result in zip(points, self.evaluate(mesh, field, points, path=True)):
+                # the other way round, which is searched for, not looked up
+                other = self.daemon.ask(mesh, "distance", {"from": point, "to": source | {"barycentric": source["barycentric"][:]}})
+                self.assertLess(abs(result["distance"] - other.json["distance"]), 1e-12 * (1 + result["distance"]))
+                self.assertAlmostEqual(result["path"]["length"], result["distance"], 12)
+                self.assertEqual(result["nearest"]["index"], 0)
+
+    def test_values_of_vertices(self):
+        for mesh in ("box", "torus"):
+            field = self.make(mesh, vertices(0, 9))["id"]
+            values = self.get(mesh, f"{field}/values").json["values"]
+            binary = self.get(mesh, f"{field}/values", Accept="application/octet-stream")
+            self.assertEqual(binary.headers["Content-Type"], "application/octet-stream")
+            self.assertEqual(list(struct.unpack(f"<{len(values)}d", binary.body)), values)
+            results = self.evaluate(mesh, field, [{"vertex": number} for number in range(len(values))], "?fields=distance")
+            self.assertEqual([result["distance"] for result in results], values)
+
+    def test_values_that_are_none(self):
+        field = self.make("apart", vertices(1))["id"]
+        self.assertEqual(self.get("apart", f"{field}/values").json["values"], [None, 0, 1, 1, None, None, None])
+        binary = self.get("apart", f"{field}/values", Accept="application/octet-stream").body
+        self.assertEqual([math.isnan(value) for value in struct.unpack("<7d", binary)], [True, False, False, False] + [True] * 3)
+
+    def test_max_distance(self):
+        whole = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}})
+        field = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}, "max_distance": 0.25})
+        self.assertEqual((field["max_distance"], field["max"], field["farthest"]), (0.25, None, None))
+        self.assertLess(field["wedges"], whole["wedges"])
+        chance = random.Random(2)
+        points = [{"face": chance.randrange(self.faces["grid"]), "barycentric": [0.5, 0.25, 0.25]} for _ in range(200)]
+        complete = self.evaluate("grid", whole["id"], points)
+        partial = self.evaluate("grid", field["id"], points, path=True, gradient=True)
+        known = 0
+        for of_whole, of_field in zip(complete, partial):
+            if of_whole["distance"] > 0.25:
+                beyond = {"distance": None, "reason": "beyond_max_distance", "nearest": None, "path": None, "gradient": None}
+                self.assertEqual(of_field, beyond)
+            else:
+                self.assertAlmostEqual(of_field["distance"], of_whole["distance"], 12)
+                known += 1
+        self.assertTrue(0 < known < 200)
+        values = self.get("grid", f"{whole['id']}/values").json["values"]
+        cut = self.get("grid", f"{field['id']}/values").json["values"]
+        self.assertEqual([value is None for value in cut], [value > 0.25 for value in values])
+        apart = self.make("apart", vertices(1, max_distance=0.5))["id"]
+        reasons = [result["reason"] for result in self.evaluate("apart", apart, [{"vertex": 2}, {"vertex": 5}])]
+        self.assertEqual(reasons, ["beyond_max_distance", "no_path"])
+
+    def test_the_farthest_point(self):
+        chance = random.Random(3)
+        for mesh in ("grid", "box", "terrain", "torus"):
+            field = self.make(mesh, {"set": {"points": [random_point(chance, self.faces[mesh]) for _ in range(2)]}})
+            farthest = {"face": field["farthest"]["face"], "barycentric": field["farthest"]["barycentric"]}
+            self.assertAlmostEqual(self.evaluate(mesh, field["id"], [farthest])[0]["distance"], field["max"], 9)
+            points = [random_point(chance, self.faces[mesh]) for _ in range(1000)]
+            results = self.evaluate(mesh, field["id"], points, "?fields=distance")
+            self.assertLessEqual(max(result["distance"] for result in results), field["max"] + 1e-12)
+            values = self.get(mesh, f"{field['id']}/values").json["values"]
+            self.assertLessEqual(max(values), field["max"] + 1e-12)
+
+    def test_the_gradient_is_where_the_distance_grows(self):
+        chance = random.Random(4)
+        for mesh in ("grid", "terrain", "torus"):
+            faces = self.faces[mesh]
+            source = random_point(chance, faces)
+            field = self.make(mesh, {"set": {"points": [source]}})["id"]
+            points = [{"face": chance.randrange(faces), "barycentric": [0.4, 0.3, 0.3]} for _ in range(20)]
+            right = 0
+            for point, result in zip(points, self.evaluate(mesh, field, points, gradient=True, path=True)):
+                gradient = result["gradient"]["xyz"]
+                self.assertAlmostEqual(math.hypot(*gradient), 1, 9)
+                here, there = (step["xyz"] for step in result["path"]["points"][:2])
+                leg = [(a - b) / math.dist(here, there) for a, b in zip(here, there)]
+                right += math.dist(leg, gradient) < 1e-6
+            self.assertEqual(right, len(points))
+            self.assertIsNone(self.evaluate(mesh, field, [source], gradient=True)[0]["gradient"])
+
+    def test_the_gradient_is_a_direction(self):
+        """In the unit square, away from its corner 0: the angle is counted from where the point's angles begin."""
+        self.daemon.put("square", SQUARE)
+        field = self.make("square", vertices(0))["id"]
+        places = (
+            ({"face": 0, "barycentric": [0.5, 0.25, 0.25]}, (0.5, 0.25), 0),  # 0 -> 1
+            ({"face": 1, "barycentric": [0.25, 0.25, 0.5]}, (0.25, 0.75), 1 / 4),  # 0 -> 2
+            ({"edge": [2, 0], "t": 0.5}, (0.5, 0.5), 1 / 4),
+            ({"edge": [1, 2], "t": 0.25}, (1, 0.25), 1 / 2),  # leads off the surface, as do all of the boundary
+            ({"edge": [3, 2], "t": 0.25}, (0.25, 1), 1),  # 2 -> 3
+            ({"vertex": 1}, (1, 0), 1 / 2),
+            ({"vertex": 2}, (1, 1), 1),
+        )
+        for (point, (x, y), zero), result in zip(places, self.evaluate("square", field, [place[0] for place in places], gradient=True)):
+            gradient, way = result["gradient"], math.atan2(y, x)
+            self.assertEqual(list(gradient), ["angle", "xyz"])
+            self.assertLess(math.dist(gradient["xyz"], [math.cos(way), math.sin(way), 0]), 1e-14)
+            self.assertLess(abs(math.remainder(gradient["angle"] - (way - zero * math.pi), 2 * math.pi)), 1e-14, point)
+
+    def test_wedges_are_the_distance_along_an_edge(self):
+        for mesh, corners in (("box", [0, 1]), ("torus", [0, 1])):
+            field = self.make(mesh, {"set": {"points": [{"face": 7, "barycentric": [0.5, 0.25, 0.25]}]}})["id"]
+            answer = self.get(mesh, f"{field}/wedges?edge={corners[1]}-{corners[0]}").json
+            self.assertEqual(answer["edge"], corners)
+            wedges = answer["wedges"]
+            self.assertTrue(wedges)
+            length = self.daemon.ask(mesh, "distance", {"from": {"vertex": 0}, "to": {"vertex": 1}}).json["distance"]
+            for wedge in wedges:
+                self.assertEqual(list(wedge), ["b0", "b1", "d0", "d1", "sigma", "tau", "source"])
+                for end, way in (("b0", "d0"), ("b1", "d1")):
+                    point = {"edge": corners, "t": min(wedge[end] / length, 1)}
+                    distance = self.evaluate(mesh, field, [point])[0]["distance"]
+                    self.assertLess(abs(wedge["sigma"] + wedge[way] - distance), 1e-6)
+
+
+class Memory(Fields):
+    flags = ("--memory-budget", "24MiB", "--max-body", "8MiB", "--workers", "2", "--landmarks", "0")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        assert cls.daemon.put("sphere", sample("icosphere", level=4)).status == 201
+
+    def test_what_was_evicted_is_computed_again(self):
+        fields = [self.make("sphere", vertices(number)) for number in range(30)]
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+        builds = self.daemon.metric("cache_builds_total")
+        for number, field in enumerate(fields):
+            self.assertEqual(self.get("sphere", field["id"]).json, field)
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)  # to tell of them needs no wedges
+        for number, field in enumerate(fields):
+            result = self.daemon.ask("sphere", f"fields/{field['id']}/evaluate", {"points": [{"vertex": number}]}).json["results"][0]
+            self.assertEqual((result["distance"], result["nearest"]["point"]["vertex"]), (0, number))
+        self.assertGreater(self.daemon.metric("cache_builds_total"), builds)
+        self.assertEqual(self.make("sphere", vertices(0), 200), fields[0])
+
+    def test_ids_outlive_their_requests_for_a_while(self):
+        self.daemon.put("tiny", SQUARE)
+        field = self.make("tiny", vertices(0))["id"]
+        for number in range(1, 1025):
+            self.make("tiny", {"set": {"points": [{"edge": [0, 1], "t": number / 2000}]}})
+        self.assert_problem(self.get("tiny", field), 410, "field_evicted")
+        self.assert_problem(self.daemon.ask("tiny", f"fields/{field}/evaluate", {"points": [{"vertex": 0}]}), 410, "field_evicted")
+        self.assertEqual(self.make("tiny", vertices(0))["id"], field)
+        self.assertEqual(self.get("tiny", field).status, 200)
+
+    def test_a_field_that_does_not_fit(self):
+        self.assertEqual(self.daemon.put("large", sample("terrain", cells=120, amplitude=1)).status, 201)
+        problem = self.assert_problem(self.daemon.ask("large", "fields", vertices(9)), 507, "insufficient_memory")
+        self.assertEqual(problem["limit"], 24 << 20)
+        self.assertRegex(problem["detail"], r"^the field needs more than the \d+ of the \d+ bytes")
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            answers = list(pool.map(lambda _: self.daemon.ask("large", "fields", vertices(9)), range(8)))
+        for answer in answers:
+            self.assert_problem(answer, 507, "insufficient_memory")
+        self.assertLess(self.daemon.metric("cache_builds_total"), builds + 8)  # most are told what another met with
+        self.daemon.request("DELETE", "/v1/meshes/large")
+
+
+class Deadline(Fields):
+    def test_it_ends_the_build_of_a_field_and_another_begins_it_again(self):
+        self.daemon.put("sphere", sample("icosphere", level=6))
+        answer = self.daemon.ask("sphere", "fields?timeout_ms=1", vertices(3))
+        self.assert_problem(answer, 504, "deadline_exceeded")
+        self.make("sphere", vertices(3))
+
+
+class Unloaded(Fields):
+    def test_a_mesh_that_comes_back_has_its_fields(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with Daemon("--data-dir", folder, "--memory-budget", "16MiB", "--max-body", "4MiB", "--landmarks", "0") as daemon:
+                body = sample("icosphere", level=4)
+                daemon.put("first", body)
+                field = daemon.ask("first", "fields", vertices(0)).json
+                for number in range(12):
+                    daemon.put(f"other{number}", body + b"# %d\n" % number)
+                    daemon.get(f"/v1/meshes/other{number}/distance?from=v:0&to=v:1")
+                self.assertGreater(daemon.metric("mesh_unloads_total"), 0)
+                answer = daemon.get(f"/v1/meshes/first/fields/{field['id']}")
+                self.assertEqual((answer.status, answer.json), (200, field))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,296 @@
+"""Isolines of a field: lines and arcs against circles, every point at its level's distance, what is refused, and when it ends early."""
+import math
+import unittest
+
+from harness import SQUARE, TETRAHEDRON, TestCase, sample
+
+# a unit square of four triangles around its middle, which is vertex 4; the second face runs the other way round in the file
+TURNED = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nf 1 2 5\nf 3 2 5\nf 3 4 5\nf 4 1 5\n"
+
+# unfolded it is flat but for its apex, which the paths from the rim's vertices go round
+CONE = {"radius": 1.0, "height": 0.5, "sectors": 7, "rings": 4}
+
+
+def vertices(*numbers, **more):
+    return {"set": {"points": [{"vertex": number} for number in numbers]}, **more}
+
+
+def subtract(a, b):
+    return [x - y for x, y in zip(a, b)]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(a):
+    return [x / math.hypot(*a) for x in a]
+
+
+class Obj:
+    """A triangle mesh as its file has it."""
+
+    def __init__(self, text):
+        lines = [line.split() for line in text.decode().splitlines()]
+        self.positions = [[float(x) for x in line[1:]] for line in lines if line and line[0] == "v"]
+        self.faces = [[int(x) - 1 for x in line[1:]] for line in lines if line and line[0] == "f"]
+
+    def place(self, arc, angle, up):
+        """A point of an arc's circle; `up` is on the outer side of the face."""
+        a, b, c = (self.positions[corner] for corner in self.faces[arc["face"]])
+        x = unit(subtract(b, a))
+        normal = unit(cross(x, subtract(c, a)))
+        if sum(m * n for m, n in zip(normal, up)) < 0:
+            normal = [-m for m in normal]
+        y = cross(normal, x)
+        return [m + arc["radius"] * (math.cos(angle) * u + math.sin(angle) * v) for m, u, v in zip(arc["centre"], x, y)]
+
+
+class Isolines(TestCase):
+    def make(self, mesh, document):
+        answer = self.daemon.ask(mesh, "fields", document)
+        self.assertIn(answer.status, (200, 201), answer)
+        return answer.json
+
+    def ask(self, mesh, field, query):
+        return self.daemon.get(f"/v1/meshes/{mesh}/fields/{field}/isolines?{query}")
+
+    def trace(self, mesh, field, query):
+        answer = self.ask(mesh, field, query)
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json["isolines"]
+
+    def check_distances(self, mesh, field, isolines):
+        """Every point of every line is as far as the level says; returns how many there are."""
+        count = 0
+        for isoline in isolines:
+            points = [point for line in isoline["lines"] for point in line["points"]]
+            named = [{key: value for key, value in point.items() if key != "xyz"} for point in points]
+            if not named:
+                continue
+            answer = self.daemon.ask(mesh, f"fields/{field}/evaluate?fields=distance", {"points": named})
+            self.assertEqual(answer.status, 200, answer)
+            for result in answer.json["results"]:
+                self.assertLess(abs(result["distance"] - isoline["level"]), 1e-9 * isoline["level"])
+            count += len(named)
+        return count
+
+
+class Lines(Isolines):
+    def test_the_example(self):
+        self.daemon.put("tetrahedron", TETRAHEDRON)
+        field = self.make("tetrahedron", vertices(0))["id"]
+        isolines = self.trace("tetrahedron", field, "levels=0.25&arcs=true")
+        example = self.daemon.get("/openapi.json").json["paths"]["/v1/meshes/{name}/fields/{id}/isolines"]["get"]
+        example = example["responses"]["200"]["content"]["application/json"]["example"]["isolines"]
+        self.assertEqual(list(isolines[0]), list(example[0]))
+        (line,), (told,) = isolines[0]["lines"], example[0]["lines"]
+        self.assertEqual(list(line), list(told))
+        self.assertEqual([list(point) for point in line["points"]], [list(point) for point in told["points"]])
+        for point, expected in zip(line["points"], told["points"]):
+            self.assertLess(math.dist(point["xyz"], expected["xyz"]), 1e-15)
+        for arc, expected in zip(line["arcs"], told["arcs"]):
+            self.assertEqual(arc["face"], expected["face"])
+            self.assertLess(abs(arc["start"] - expected["start"]) + abs(arc["end"] - expected["end"]), 1e-14)
+        self.assertAlmostEqual(line["length"], told["length"], 14)
+
+    def test_circles_in_the_plane(self):
+        self.daemon.put("plane", sample("grid", columns=9, rows=9))
+        field = self.make("plane", {"set": {"points": [{"xyz": [0.5, 0.5, 0]}]}})["id"]
+        levels = [0.003, 0.1, 0.25, 0.4, 0.499]
+        isolines = self.trace("plane", field, "arcs=true&levels=" + ",".join(map(str, levels)))
+        self.assertEqual([isoline["level"] for isoline in isolines], levels)
+        for level, isoline in zip(levels, isolines):
+            (line,) = isoline["lines"]
+            self.assertTrue(line["closed"])
+            self.assertLess(abs(line["length"] / (2 * math.pi * level) - 1), 1e-9)
+            self.assertEqual(len(line["points"]), len(line["arcs"]) + 1)
+            self.assertEqual(line["points"][0], line["points"][-1])
+            for arc in line["arcs"]:
+                self.assertLess(math.dist(arc["centre"], [0.5, 0.5, 0]) + abs(arc["radius"] - level), 1e-12)
+            self.assertAlmostEqual(sum(arc["end"] - arc["start"] for arc in line["arcs"]), 2 * math.pi, 9)
+        self.check_distances("plane", field, isolines)
+        corner = self.trace("plane", self.make("plane", vertices(0))["id"], "levels=0.5")[0]["lines"]
+        self.assertEqual([line["closed"] for line in corner], [False])
+        self.assertLess(abs(corner[0]["length"] / (math.pi / 4) - 1), 1e-9)
+
+    def test_circles_about_the_apex_of_a_cone(self):
+        cone = Obj(sample("cone", **CONE))
+        self.daemon.put("cone", sample("cone", **CONE))
+        apex = len(cone.positions) - 1
+        sector = 2 * math.asin(math.sin(math.pi / 7) / math.hypot(1, 0.5))
+        field = self.make("cone", vertices(apex))["id"]
+        for isoline in self.trace("cone", field, "levels=0.2,0.7&arcs=true"):
+            (line,) = isoline["lines"]
+            self.assertTrue(line["closed"])
+            self.assertLess(abs(line["length"] / (7 * sector * isoline["level"]) - 1), 1e-9)
+
+    def test_arcs_are_where_they_are_said_to_be(self):
+        """Around faces that the file has the wrong way round too."""
+        terrain = sample("terrain", cells=8, amplitude=0.5)
+        meshes = {"turned": (TURNED, vertices(0)), "terrain": (terrain, vertices(20))}
+        for name, (body, source) in meshes.items():
+            flipped = self.daemon.put(name, body).json["orientation"]["flipped_faces"]
+            self.assertEqual(flipped, 1 if name == "turned" else 0)
+            mesh = Obj(body)
+            field = self.make(name, source)["id"]
+            for line in [line for isoline in self.trace(name, field, "count=5&arcs=true") for line in isoline["lines"]]:
+                ends = [point["xyz"] for point in line["points"]]
+                self.assertEqual(len(ends), len(line["arcs"]) + 1)
+                for arc, start, end in zip(line["arcs"], ends, ends[1:]):
+                    self.assertTrue(0 <= arc["start"] < 2 * math.pi)
+                    self.assertLess(math.dist(mesh.place(arc, arc["start"], [0, 0, 1]), start), 1e-9)
+                    self.assertLess(math.dist(mesh.place(arc, arc["end"], [0, 0, 1]), end), 1e-9)
+                length = sum(arc["radius"] * (arc["end"] - arc["start"]) for arc in line["arcs"])
+                self.assertLess(abs(length / line["length"] - 1), 1e-9)
+
+    def test_every_point_is_at_the_level(self):
+        for name, body in {
+            "torus": sample("torus"),
+            "box": sample("box", cells=3),
+            "saddle": sample("saddle"),
+        }.items():
+            self.daemon.put(name, body)
+            field = self.make(name, vertices(0, 9))["id"]
+            coarse = self.check_distances(name, field, self.trace(name, field, "count=7&tolerance=0.1"))
+            fine = self.check_distances(name, field, self.trace(name, field, "count=7&tolerance=0.00001"))
+            self.assertTrue(0 < coarse < fine)
+
+    def test_polylines_keep_the_tolerance(self):
+        self.daemon.put("tolerance", SQUARE)
+        field = self.make("tolerance", vertices(0))["id"]
+        for tolerance in (0.1, 0.01, 0.0001):
+            (line,) = self.trace("tolerance", field, f"levels=0.8&tolerance={tolerance}&geometry=xyz")[0]["lines"]
+            for a, b in zip(line["points"], line["points"][1:]):
+                middle = [(x + y) / 2 for x, y in zip(a, b)]
+                self.assertLess(0.8 - math.hypot(*middle), tolerance)
+        self.assertGreater(len(line["points"]), 20)
+        (default,) = self.trace("tolerance", field, "levels=0.8")[0]["lines"]
+        (same,) = self.trace("tolerance", field, f"levels=0.8&tolerance={math.sqrt(2) / 2000}")[0]["lines"]
+        self.assertEqual(default, same)
+        both = self.trace("tolerance", field, "levels=0.8&tolerance=0.0001&arcs=true&geometry=xyz")[0]["lines"][0]
+        self.assertEqual(both["points"], line["points"])
+        self.assertTrue(0 < len(both["arcs"]) < 5)
+
+    def test_levels_by_count(self):
+        self.daemon.put("count", sample("box", cells=2))
+        whole = self.make("count", vertices(0))
+        isolines = self.trace("count", whole["id"], "count=4&geometry=none")
+        for i, isoline in enumerate(isolines):
+            self.assertAlmostEqual(isoline["level"], whole["max"] * (i + 1) / 5, 12)
+            self.assertTrue(isoline["lines"])
+            for line in isoline["lines"]:
+                self.assertEqual(list(line), ["closed", "length"])
+        partial = self.make("count", vertices(0, max_distance=0.5))
+        levels = [isoline["level"] for isoline in self.trace("count", partial["id"], "count=4")]
+        self.assertEqual(levels, [0.1, 0.2, 0.3, 0.4])
+
+    def test_levels_without_lines(self):
+        self.daemon.put("none", SQUARE)
+        field = self.make("none", vertices(0))["id"]
+        self.assertEqual(
+            self.trace("none", field, "levels=9,0,1e300"), [{"level": level, "lines": []} for level in (9, 0, 1e300)]
+        )
+
+    def test_a_field_that_ends(self):
+        self.daemon.put("ends", sample("box", cells=2))
+        whole = self.make("ends", vertices(0))["id"]
+        partial = self.make("ends", vertices(0, max_distance=0.75))["id"]
+        query = "levels=0.3,0.75&geometry=none"
+        for one, other in zip(self.trace("ends", whole, query), self.trace("ends", partial, query)):
+            lengths = [sorted(line["length"] for line in isoline["lines"]) for isoline in (one, other)]
+            self.assertEqual(len(lengths[0]), len(lengths[1]))
+            for a, b in zip(*lengths):
+                self.assertAlmostEqual(a, b, 9)
+        problem = self.assert_problem(self.ask("ends", partial, "levels=0.3,0.8"), 400, "invalid_request")
+        self.assertEqual(problem["parameter"], "levels")
+        self.assertIn("max_distance, 0.75", problem["detail"])
+
+    def test_the_body_says_the_same(self):
+        self.daemon.put("body", sample("torus"))
+        field = self.make("body", vertices(3))["id"]
+        for query, document in (
+            ("levels=0.5,1.25&arcs=true", {"levels": [0.5, 1.25], "arcs": True}),
+            ("count=3&tolerance=0.01", {"count": 3, "tolerance": 0.01}),
+        ):
+            posted = self.daemon.ask("body", f"fields/{field}/isolines", document)
+            self.assertEqual((posted.status, posted.body), (200, self.ask("body", field, query).body))
+
+    def test_refusals(self):
+        self.daemon.put("refusals", SQUARE)
+        field = self.make("refusals", vertices(0))["id"]
+        for query, parameter in (
+            ("", "levels"),
+            ("levels=1&count=2", "levels"),
+            ("levels=", "levels"),
+            ("levels=1,", "levels"),
+            ("levels=1,,2", "levels"),
+            ("levels=-1", "levels"),
+            ("levels=1;2", "levels"),
+            ("levels=nan", "levels"),
+            ("count=0", "count"),
+            ("count=-1", "count"),
+            ("count=1.5", "count"),
+            ("count=1&tolerance=0", "tolerance"),
+            ("count=1&tolerance=x", "tolerance"),
+            ("count=1&arcs=yes", "arcs"),
+            ("count=1&fields=lines", "fields"),
+            ("count=1&level=1", "level"),
+        ):
+            problem = self.assert_problem(self.ask("refusals", field, query), 400, "invalid_request")
+            self.assertEqual(problem["parameter"], parameter, query)
+        for document, pointer in (
+            ({}, ""),
+            ({"levels": [1], "count": 2}, ""),
+            ({"levels": []}, "/levels"),
+            ({"levels": 1}, "/levels"),
+            ({"levels": [1, "x"]}, "/levels/1"),
+            ({"levels": [1, -1]}, "/levels"),
+            ({"count": 0}, "/count"),
+            ({"count": 1.5}, "/count"),
+            ({"count": 1, "tolerance": 0}, "/tolerance"),
+            ({"count": 1, "arcs": 1}, "/arcs"),
+            ({"count": 1, "level": 1}, "/level"),
+        ):
+            answer = self.daemon.ask("refusals", f"fields/{field}/isolines", document)
+            problem = self.assert_problem(answer, 400, "invalid_request")
+            self.assertEqual(problem["pointer"], pointer, document)
+        self.assert_problem(self.ask("refusals", "0" * 32, "count=1"), 404, "not_found")
+
+    def test_limits(self):
+        self.daemon.put("limits", sample("icosphere", level=5))
+        field = self.make("limits", vertices(0))["id"]
+        for answer in (
+            self.ask("limits", field, "count=1001"),
+            self.ask("limits", field, "count=4294967295"),
+            self.ask("limits", field, "levels=" + ",".join(["0.5"] * 1001)),
+            self.daemon.ask("limits", f"fields/{field}/isolines", {"levels": [1] * 1001}),
+            self.daemon.ask("limits", f"fields/{field}/isolines", {"count": 1001}),
+        ):
+            self.assertEqual(self.assert_problem(answer, 413, "too_large")["limit"], 1000)
+        for query in ("levels=1&tolerance=1e-12", "count=1000&arcs=true&geometry=none"):
+            self.assertEqual(self.assert_problem(self.ask("limits", field, query), 413, "too_large")["limit"], 500000)
+
+    def test_the_deadline_ends_it(self):
+        self.daemon.put("deadline", sample("icosphere", level=6))
+        field = self.make("deadline", vertices(0))["id"]
+        answer = self.ask("deadline", field, "count=1000&geometry=none&timeout_ms=30")
+        self.assert_problem(answer, 504, "deadline_exceeded")
+        self.assertEqual(self.ask("deadline", field, "count=2&geometry=none").status, 200)
+
+
+class Memory(Isolines):
+    flags = ("--memory-budget", "24MiB", "--max-body", "8MiB", "--workers", "2", "--landmarks", "0")
+
+    def test_what_does_not_fit_is_refused_and_leaves_nothing_behind(self):
+        self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
+        field = self.make("sphere", vertices(0))["id"]
+        flight = self.daemon.metric('memory_bytes{class="flight"}')
+        answer = self.ask("sphere", field, "count=40&tolerance=1e-7")
+        self.assert_problem(answer, 507, "insufficient_memory")
+        self.assertEqual(self.ask("sphere", field, "count=3").status, 200)
+        self.assertLessEqual(self.daemon.metric('memory_bytes{class="flight"}'), flight)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,152 @@
+/* Fuzzes what decodes sets and questions about them. The first byte picks the decoder (field requests, or distances to a set), the rest is its
+ * input. What is taken is located on a mesh, built and evaluated: the distance to a set is the least over its members. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/field.h"
+#include "proto/decode.h"
+#include "proto/evaluation.h"
+#include "proto/field.h"
+
+enum { MOST_MEMBERS = 24, MOST_POINTS = 24 }; /* that are answered: each member has a field of its own here */
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+/* An open box with a roof ridge; made once, never freed: it is reachable to the end. */
+static const struct gd_mesh *house(void)
+{
+    static struct gd_mesh *mesh;
+    static double positions[10][3] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0},   {0, 0, 1},
+                                      {2, 0, 1}, {2, 1, 1}, {0, 1, 1}, {0, 0.5, 2}, {2, 0.5, 2}};
+    static uint32_t corners[] = {0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 1, 2, 6, 1, 6, 5, 5, 6, 9,
+                                 3, 0, 4, 3, 4, 7, 4, 8, 7, 4, 5, 9, 4, 9, 8, 6, 7, 8, 6, 8, 9};
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 10, .polygon_count = 14, .corners = corners};
+    if (!mesh) require(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
+    return mesh;
+}
+
+static void require_json(struct proto_writer *writer)
+{
+    json_t *back = json_loadb(writer->data, writer->size, JSON_REJECT_DUPLICATES, NULL);
+    require(back != NULL);
+    json_decref(back);
+    proto_writer_free(writer);
+}
+
+static void require_sentence(const struct proto_problem *problem)
+{
+    struct proto_writer writer;
+    require(problem->detail[0] != '\0');
+    proto_writer_init(&writer, 65536);
+    proto_problem_encode(&writer, problem);
+    require_json(&writer);
+}
+
+/* NULL when the engine refuses so much rounding. */
+static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, double radius)
+{
+    const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    struct gd_field *field;
+    enum gd_status status = gd_field_build(house(), &request, NULL, NULL, &field, NULL);
+    require(status == GD_OK || status == GD_INTERNAL);
+    return status ? NULL : field;
+}
+
+static void check_least(const struct proto_located_set *set, const struct proto_located_points *points,
+                        const double *distances)
+{
+    double least[MOST_POINTS], alone[MOST_POINTS];
+    for (uint32_t i = 0; i < points->count; i++) least[i] = INFINITY;
+    for (uint32_t k = 0; k < set->count; k++) {
+        struct gd_field *field = build(&set->seeds[k], 1, 0);
+        if (!field) return;
+        require(gd_field_distances(field, points->points, points->count, NULL, alone) == GD_OK);
+        for (uint32_t i = 0; i < points->count; i++) least[i] = fmin(least[i], alone[i]);
+        gd_field_release(field);
+    }
+    for (uint32_t i = 0; i < points->count; i++) require(fabs(least[i] - distances[i]) <= 1e-9 * (1 + least[i]));
+}
+
+static void encode(const struct gd_field *field, const struct proto_located_set *set,
+                   const struct proto_located_points *points, const double *distances)
+{
+    struct proto_writer writer;
+    proto_writer_init(&writer, 1 << 20);
+    proto_results_begin(&writer);
+    for (uint32_t i = 0; i < points->count; i++) {
+        struct proto_result result = {.distance = distances[i]};
+        struct gd_path path = {0};
+        double distance;
+        require(gd_field_nearest(field, &points->points[i], &distance, &result.member) == GD_OK);
+        require(result.member < set->count && distance == distances[i]);
+        require(gd_field_path(field, &points->points[i], &path) == GD_OK);
+        result.path = &path;
+        proto_result_encode(&writer, house(), set, &result, UINT32_MAX, PROTO_GEOMETRY_FULL);
+        gd_path_free(&path);
+    }
+    proto_results_end(&writer);
+    require_json(&writer);
+}
+
+static void answer(const struct proto_located_set *set, const struct proto_located_points *points)
+{
+    double distances[MOST_POINTS];
+    if (set->count > MOST_MEMBERS || points->count > MOST_POINTS) return;
+    struct gd_field *field = build(set->seeds, set->count, 0);
+    if (!field) return;
+    require(gd_field_distances(field, points->points, points->count, NULL, distances) == GD_OK);
+    check_least(set, points, distances);
+    encode(field, set, points, distances);
+    gd_field_release(field);
+}
+
+static bool fuzz_distance_to_set(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_set set;
+    struct proto_evaluation wanted;
+    struct proto_located_points points = {0};
+    if (!proto_evaluation_decode_with_set(document, &set, &wanted, problem)) return false;
+    struct proto_located_set *located = proto_set_locate(house(), &set, problem);
+    bool ok = located && proto_points_locate(house(), &wanted.points, &points, problem);
+    if (ok) answer(located, &points);
+    proto_located_points_free(&points);
+    proto_evaluation_free(&wanted);
+    proto_set_free(&set);
+    free(located);
+    return ok;
+}
+
+static bool fuzz_field(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_field_request wanted;
+    if (!proto_field_decode(document, &wanted, problem)) return false;
+    struct proto_located_set *located = proto_set_locate(house(), &wanted.set, problem);
+    struct gd_field *field = NULL;
+    if (located && located->count <= MOST_MEMBERS) field = build(located->seeds, located->count, wanted.max_distance);
+    gd_field_release(field);
+    proto_set_free(&wanted.set);
+    free(located);
+    return located != NULL;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct proto_problem problem;
+    if (size == 0) return 0;
+    char *text = malloc(size); /* no byte more: overruns are seen */
+    require(text != NULL);
+    memcpy(text, data + 1, size - 1);
+    json_t *document = proto_decode_document(text, size - 1, &problem);
+    free(text);
+    bool ok = document && (data[0] & 1 ? fuzz_field(document, &problem) : fuzz_distance_to_set(document, &problem));
+    json_decref(document);
+    if (!ok) require_sentence(&problem);
+    return 0;
+}

@@ -1,0 +1,185 @@
+/* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data structures": for any set A
+ * |d_A(x) - d_A(y)| <= d(x, y). Random sets with offsets, at random points inside faces, on every mesh of the folder named by
+ * GEODESICD_SHARED, or ../shared beside the project; skipped elsewhere.
+ *
+ * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x, member) is the least of functions that obey the law. */
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/field.h"
+#include "gd/io.h"
+#include "gd/query.h"
+#include "tests/support/test.h"
+
+static const double promise = 1e-9;
+
+enum {
+    SETS = 2,
+    MOST_MEMBERS = 12,
+    PAIRS_IN_A_FACE =
+        400,    /* the law at its sharpest: the straight way within the face is the shortest, or as good as */
+    PAIRS = 12, /* anywhere, with the distance searched for */
+    PATH_LENGTH = 4096,
+    NAME_LENGTH = 257 /* with its slash */
+};
+
+/* --- the meshes ---------------------------------------------------------------------------------------------------------- */
+
+static const char *shared_folder(void)
+{
+    const char *named = getenv("GEODESICD_SHARED");
+    return named ? named : "../shared";
+}
+
+/* Built, repaired if it has to be; NULL when the bytes can't be read. */
+static struct gd_mesh *load(const char *folder, const char *name)
+{
+    char path[PATH_LENGTH + NAME_LENGTH];
+    size_t size;
+    struct gd_polygons polygons = {0};
+    struct gd_detail detail = {0};
+    struct gd_mesh *mesh = NULL;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    char *bytes = test_read_file(path, &size);
+    if (!bytes) return NULL;
+    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, &detail), &detail);
+    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, &detail), &detail);
+    gd_polygons_free(&polygons);
+    free(bytes);
+    return mesh;
+}
+
+/* --- points and sets ----------------------------------------------------------------------------------------------------- */
+
+static struct gd_face random_face(const struct gd_mesh *mesh, struct rng *rng)
+{
+    struct gd_face face;
+    do face.index = rng_below(rng, gd_mesh_summary(mesh)->face_index_count);
+    while (!gd_mesh_has_face(mesh, face));
+    return face;
+}
+
+/* In the interior, however flat the face is: no weight is less than 1/20. */
+static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face face, struct rng *rng)
+{
+    double weight[3], sum = 0;
+    struct gd_point point;
+    for (int k = 0; k < 3; k++) sum += weight[k] = rng_between(rng, 0.1, 1);
+    for (int k = 0; k < 3; k++) weight[k] /= sum;
+    check_ok(gd_point_in_face(mesh, face, weight, &point, NULL), NULL);
+    assert_int_equal(point.kind, GD_POINT_FACE);
+    return point;
+}
+
+static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    double diagonal = gd_vec3_distance(summary->min, summary->max);
+    struct gd_seed seeds[MOST_MEMBERS];
+    struct gd_field_request request = {.seeds = seeds, .seed_count = 1 + rng_below(rng, MOST_MEMBERS)};
+    struct gd_field *field = NULL;
+    struct gd_detail detail = {0};
+    for (uint32_t i = 0; i < request.seed_count; i++) {
+        seeds[i].point = random_point(mesh, random_face(mesh, rng), rng);
+        seeds[i].offset = rng_below(rng, 2) ? rng_between(rng, 0, 0.1 * diagonal) : 0;
+    }
+    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    return field;
+}
+
+/* --- the law ------------------------------------------------------------------------------------------------------------- */
+
+struct tally {
+    uint32_t pairs, nearly_equal; /* of these some at which the law holds with nothing to spare */
+    double worst;                 /* by how much it is broken, relative to the distances */
+};
+
+/* `apart` is d(x, y), or an upper bound of it. */
+static void check_pair(const struct gd_field *field, const struct gd_point *x, const struct gd_point *y, double apart,
+                       struct tally *tally)
+{
+    double at_x, at_y;
+    check_ok(gd_field_distance(field, x, &at_x), NULL);
+    check_ok(gd_field_distance(field, y, &at_y), NULL);
+    if (isinf(at_x) || isinf(at_y)) {
+        assert_true(isinf(apart) || (isinf(at_x) && isinf(at_y))); /* a component has members or it has none */
+        return;
+    }
+    double change = fabs(at_x - at_y), broken = (change - apart) / fmax(fmax(at_x, at_y), apart);
+    tally->pairs++;
+    tally->nearly_equal += change > 0.999 * apart;
+    tally->worst = fmax(tally->worst, broken);
+    if (broken > promise)
+        fail_msg("the distance to the set changes from %.17g to %.17g, over %.17g", at_x, at_y, apart);
+}
+
+static void check_within_faces(const struct gd_field *field, struct rng *rng, struct tally *tally)
+{
+    const struct gd_mesh *mesh = gd_field_mesh(field);
+    for (int i = 0; i < PAIRS_IN_A_FACE; i++) {
+        struct gd_face face = random_face(mesh, rng);
+        struct gd_point x = random_point(mesh, face, rng), y = random_point(mesh, face, rng);
+        double apart = gd_vec3_distance(gd_point_position(mesh, &x), gd_point_position(mesh, &y));
+        check_pair(field, &x, &y, apart, tally);
+    }
+}
+
+static void check_anywhere(const struct gd_field *field, struct rng *rng, struct tally *tally)
+{
+    const struct gd_mesh *mesh = gd_field_mesh(field);
+    for (int i = 0; i < PAIRS; i++) {
+        struct gd_point x = random_point(mesh, random_face(mesh, rng), rng),
+                        y = random_point(mesh, random_face(mesh, rng), rng);
+        struct gd_pair_answer answer;
+        check_ok(gd_pair_solve(mesh, &x, &y, false, NULL, NULL, &answer, NULL), NULL);
+        check_pair(field, &x, &y, answer.distance, tally);
+    }
+}
+
+static void check_mesh(const char *name, const struct gd_mesh *mesh)
+{
+    struct rng rng = {gd_mesh_summary(mesh)->faces};
+    struct tally near = {0}, far = {0};
+    for (int i = 0; i < SETS; i++) {
+        struct gd_field *field = random_set(mesh, &rng);
+        check_within_faces(field, &rng, &near);
+        check_anywhere(field, &rng, &far);
+        gd_field_release(field);
+    }
+    print_message("# %s: %u pairs in a face (%u sharp), broken by %.1e at most; %u anywhere, by %.1e\n", name,
+                  near.pairs, near.nearly_equal, near.worst, far.pairs, far.worst);
+    assert_true(near.pairs > 0 && near.nearly_equal > 0 && far.pairs > 0);
+}
+
+static void distances_to_sets_are_lipschitz(void **state)
+{
+    (void)state;
+    char folder[PATH_LENGTH];
+    int count = 0;
+    snprintf(folder, sizeof folder, "%s/meshes", shared_folder());
+    DIR *listing = opendir(folder);
+    if (!listing) {
+        print_message("# skipped: there is no folder %s\n", folder);
+        skip();
+    }
+    for (struct dirent *entry; (entry = readdir(listing));) {
+        const char *dot = strrchr(entry->d_name, '.');
+        if (!dot || strcmp(dot, ".obj") != 0) continue;
+        struct gd_mesh *mesh = load(folder, entry->d_name);
+        assert_non_null(mesh);
+        check_mesh(entry->d_name, mesh);
+        gd_mesh_release(mesh);
+        count++;
+    }
+    closedir(listing);
+    assert_true(count > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(distances_to_sets_are_lipschitz)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,54 @@
+#include "mesh/stamp.h"
+
+#include <string.h>
+
+#include "tests/samples/samples.h"
+#include "tests/support/test.h"
+
+static const char magic[8] = "GDTESTS", other_magic[8] = "GDTESTT";
+
+static struct gd_mesh *terrain(uint64_t seed)
+{
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(6, 0.5, seed, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    gd_polygons_free(&polygons);
+    return mesh;
+}
+
+static void check_refusal(const struct gd_mesh *mesh, const struct gd__stamp *stamp, enum gd_status expected,
+                          const char *words)
+{
+    struct gd_detail detail = {.text = ""};
+    assert_int_equal(gd__stamp_check(mesh, stamp, magic, 7, &detail), expected);
+    assert_non_null(strstr(detail.text, words));
+    assert_int_equal(gd__stamp_check(mesh, stamp, magic, 7, NULL), expected);
+}
+
+static void tells_kind_version_machine_and_mesh(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(1), *same = terrain(1), *another = terrain(2);
+    struct gd__stamp stamp = gd__stamp(mesh, magic, 7), changed;
+    check_ok(gd__stamp_check(mesh, &stamp, magic, 7, NULL), NULL);
+    check_ok(gd__stamp_check(same, &stamp, magic, 7, NULL), NULL);
+    check_refusal(another, &stamp, GD_INVALID_ARGUMENT, "another mesh");
+    changed = gd__stamp(mesh, other_magic, 7);
+    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "no GDTESTS image");
+    changed = gd__stamp(mesh, magic, 6);
+    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "version 6");
+    changed = stamp;
+    changed.byte_order = __builtin_bswap32(stamp.byte_order);
+    check_refusal(mesh, &changed, GD_UNRECOGNIZED, "a machine like this");
+    mesh->position[mesh->vertex_count - 1].z += 1e-12; /* the mesh is ours alone */
+    check_refusal(mesh, &stamp, GD_INVALID_ARGUMENT, "another mesh");
+    gd_mesh_release(mesh);
+    gd_mesh_release(same);
+    gd_mesh_release(another);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(tells_kind_version_machine_and_mesh)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,269 @@
+#include "support.h"
+
+#include "proto/batch.h"
+#include "proto/decode.h"
+
+/* --- lines
+ * ------------------------------------------------------------------------------------------------------------- */
+
+static void assert_line(const struct proto_batch_line *line, const char *text, uint32_t number)
+{
+    assert_int_equal(line->size, strlen(text));
+    assert_memory_equal(line->text, text, line->size);
+    assert_int_equal(line->number, number);
+}
+
+static void blank_lines_count_and_are_skipped(void **state)
+{
+    (void)state;
+    static const char text[] = "\n \t\r\none\r\n\ntwo";
+    struct proto_batch_line line = {0};
+    assert_true(proto_batch_next(text, strlen(text), &line));
+    assert_line(&line, "one\r", 3);
+    assert_true(proto_batch_next(text, strlen(text), &line));
+    assert_line(&line, "two", 5);
+    assert_false(proto_batch_next(text, strlen(text), &line));
+    assert_false(proto_batch_next(text, strlen(text), &line));
+    struct proto_batch_line none = {0};
+    assert_false(proto_batch_next(NULL, 0, &none));
+    assert_false(proto_batch_next("\n\n  ", 4, &none));
+    struct proto_batch_line zero = {0};
+    assert_true(proto_batch_next("\0\n", 2, &zero)); /* a NUL is not blank */
+    assert_int_equal(zero.size, 1);
+}
+
+static struct proto_batch_line line_of(const char *text)
+{
+    return (struct proto_batch_line){.text = text, .size = strlen(text), .end = strlen(text), .number = 7};
+}
+
+static bool decode(const char *text, struct proto_batch_query *out, struct proto_problem *problem)
+{
+    struct proto_batch_line line = line_of(text);
+    return proto_batch_decode(&line, out, problem);
+}
+
+static void takes_its_own_members_out(void **state)
+{
+    (void)state;
+    struct proto_batch_query query;
+    struct proto_problem problem;
+    assert_true(
+        decode("{\"from\":1,\"query\":\"path\",\"geometry\":\"xyz\",\"fields\":[\"a\",\"b\"]}", &query, &problem));
+    assert_string_equal(query.name, "path");
+    assert_string_equal(query.fields, "a,b");
+    assert_string_equal(query.geometry, "xyz");
+    assert_true(query.has_fields && query.has_geometry);
+    assert_int_equal(json_object_size(query.document), 1);
+    assert_non_null(json_object_get(query.document, "from"));
+    proto_batch_query_free(&query);
+    proto_batch_query_free(&query);
+    assert_true(decode("{\"query\":\"path\",\"fields\":\"a,b\"}", &query, &problem));
+    assert_string_equal(query.fields, "a,b");
+    assert_false(query.has_geometry);
+    proto_batch_query_free(&query);
+}
+
+static void refuses_bad_lines(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *pointer;
+    } cases[] = {
+        {"nonsense", ""},
+        {"[]", ""},
+        {"{}", "/query"},
+        {"{\"query\":1}", "/query"},
+        {"{\"query\":\"path\",\"fields\":1}", "/fields"},
+        {"{\"query\":\"path\",\"fields\":[]}", "/fields"},
+        {"{\"query\":\"path\",\"fields\":[\"a\",1]}", "/fields"},
+        {"{\"query\":\"path\",\"geometry\":[\"xyz\"]}", "/geometry"},
+        {"{\"query\":\"path\"} {}", ""},
+        {"{\"query\":\"0123456789012345678901234567890123456789012345678901234567890123\"}", "/query"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_batch_query query;
+        struct proto_problem problem;
+        assert_false(decode(cases[i].text, &query, &problem));
+        assert_pointer(&problem, cases[i].pointer);
+        assert_null(strstr(problem.detail, "line 1"));
+    }
+}
+
+/* As many names as fit, and one more. */
+static void fields_have_a_largest_size(void **state)
+{
+    (void)state;
+    for (int names = 127; names <= 129; names++) {
+        struct proto_batch_query query;
+        struct proto_problem problem;
+        char text[1024] = "{\"query\":\"path\",\"fields\":[\"a\"";
+        for (int i = 1; i < names; i++) strcat(text, ",\"a\"");
+        strcat(text, "]}");
+        bool fits = names <= PROTO_BATCH_FIELDS / 2;
+        assert_int_equal(decode(text, &query, &problem), fits);
+        if (!fits) assert_pointer(&problem, "/fields");
+        if (fits) assert_int_equal(strlen(query.fields), 2 * names - 1);
+        if (fits) proto_batch_query_free(&query);
+    }
+}
+
+static void a_line_has_a_largest_size(void **state)
+{
+    (void)state;
+    char *text = test_calloc(PROTO_BATCH_LINE + 2, 1);
+    memset(text, ' ', PROTO_BATCH_LINE + 1);
+    memcpy(text, "{\"query\":\"path\"}", 16);
+    struct proto_batch_line line = {.text = text, .size = PROTO_BATCH_LINE, .number = 1};
+    struct proto_batch_query query;
+    struct proto_problem problem;
+    assert_true(proto_batch_decode(&line, &query, &problem));
+    proto_batch_query_free(&query);
+    line.size++;
+    assert_false(proto_batch_decode(&line, &query, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+    assert_int_equal(problem.limit, PROTO_BATCH_LINE);
+    test_free(text);
+}
+
+/* --- options
+ * ----------------------------------------------------------------------------------------------------------- */
+
+static const char *const names[] = {"distance", "reason", NULL};
+
+static void a_line_goes_before_the_query_string(void **state)
+{
+    (void)state;
+    struct proto_batch_query query = {.fields = "reason", .has_fields = true};
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("fields", "distance", "geometry", "none", "timeout_ms", "5");
+    assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_true(options.fields == 2 && options.geometry == PROTO_GEOMETRY_NONE && options.timeout_ms == 5);
+    query.has_fields = false;
+    assert_true(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_int_equal(options.fields, 1);
+    struct proto_parameters none = NO_QUERY;
+    assert_true(proto_batch_options(&query, &none, names, &options, &problem));
+    assert_true(options.fields == 3 && options.geometry == PROTO_GEOMETRY_FULL);
+}
+
+static void a_bad_option_is_named_where_it_stands(void **state)
+{
+    (void)state;
+    struct proto_batch_query query = {.fields = "nix", .has_fields = true};
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("fields", "x");
+    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_pointer(&problem, "/fields");
+    assert_string_equal(problem.parameter, "");
+    query = (struct proto_batch_query){.geometry = "nix", .has_geometry = true, .has_fields = true, .fields = "reason"};
+    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_pointer(&problem, "/geometry");
+    query = (struct proto_batch_query){0};
+    assert_false(proto_batch_options(&query, &parameters, names, &options, &problem));
+    assert_parameter(&problem, "fields");
+}
+
+static void the_query_string_is_checked_as_a_whole(void **state)
+{
+    (void)state;
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("fields", "whatever", "timeout_ms", "9");
+    assert_true(proto_batch_parse(&parameters, &options, &problem));
+    assert_int_equal(options.timeout_ms, 9);
+    parameters = QUERY("geometry", "nix");
+    assert_false(proto_batch_parse(&parameters, &options, &problem));
+    assert_parameter(&problem, "geometry");
+    parameters = QUERY("from", "v:0");
+    assert_false(proto_batch_parse(&parameters, &options, &problem));
+    assert_parameter(&problem, "from");
+}
+
+/* --- the answer
+ * -------------------------------------------------------------------------------------------------------- */
+
+static void write_object(struct proto_writer *writer, const char *key)
+{
+    proto_write_object_begin(writer);
+    if (key) proto_write_key(writer, key);
+    if (key) proto_write_uint(writer, 1);
+    proto_write_object_end(writer);
+}
+
+static void answers_stand_beside_their_status(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    static const char *const keys[] = {"a", NULL, "b"};
+    for (size_t i = 0; i < COUNT(keys); i++) {
+        size_t begin = proto_batch_begin(&writer);
+        write_object(&writer, keys[i]);
+        proto_batch_end(&writer, begin);
+    }
+    assert_written(&writer, "{\"status\":200,\"a\":1}\n{\"status\":200}\n{\"status\":200,\"b\":1}\n");
+}
+
+static void a_problem_takes_the_place_of_its_line_only(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    struct proto_batch_line line = line_of("nonsense");
+    struct proto_problem problem;
+    size_t begin = proto_batch_begin(&writer);
+    write_object(&writer, "a");
+    proto_batch_end(&writer, begin);
+    begin = proto_batch_begin(&writer);
+    write_object(&writer, "half an answer");
+    proto_problem_refuse(&problem, "/to", "wrong");
+    proto_batch_refuse(&writer, begin, &line, &problem);
+    begin = proto_batch_begin(&writer);
+    write_object(&writer, "b");
+    proto_batch_end(&writer, begin);
+    assert_written(&writer, "{\"status\":200,\"a\":1}\n"
+                            "{\"type\":\"urn:geodesicd:problem:invalid_request\",\"title\":\"Invalid request\","
+                            "\"status\":400,\"detail\":\"wrong\",\"code\":\"invalid_request\",\"pointer\":\"/to\","
+                            "\"elements\":[{\"line\":7}]}\n"
+                            "{\"status\":200,\"b\":1}\n");
+}
+
+static void an_answer_that_does_not_fit_becomes_a_problem(void **state)
+{
+    (void)state;
+    struct proto_writer writer;
+    struct proto_batch_line line = line_of("");
+    struct proto_problem problem;
+    proto_writer_init(&writer, 400);
+    size_t begin = proto_batch_begin(&writer);
+    for (int i = 0; i < 100; i++) proto_write_uint(&writer, UINT64_MAX);
+    assert_int_equal(writer.failure, PROTO_WRITER_TOO_LARGE);
+    proto_batch_end(&writer, begin);
+    proto_problem_set(&problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "no");
+    problem.element = GD_ELEMENT_VERTEX;
+    problem.element_count = 1;
+    problem.elements[0][0] = 3;
+    proto_batch_refuse(&writer, begin, &line, &problem);
+    assert_written(&writer, "{\"type\":\"urn:geodesicd:problem:insufficient_memory\",\"title\":\"Insufficient memory\","
+                            "\"status\":507,\"detail\":\"no\",\"code\":\"insufficient_memory\","
+                            "\"elements\":[{\"vertex\":3}]}\n");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blank_lines_count_and_are_skipped),
+        cmocka_unit_test(takes_its_own_members_out),
+        cmocka_unit_test(refuses_bad_lines),
+        cmocka_unit_test(fields_have_a_largest_size),
+        cmocka_unit_test(a_line_has_a_largest_size),
+        cmocka_unit_test(a_line_goes_before_the_query_string),
+        cmocka_unit_test(a_bad_option_is_named_where_it_stands),
+        cmocka_unit_test(the_query_string_is_checked_as_a_whole),
+        cmocka_unit_test(answers_stand_beside_their_status),
+        cmocka_unit_test(a_problem_takes_the_place_of_its_line_only),
+        cmocka_unit_test(an_answer_that_does_not_fit_becomes_a_problem),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

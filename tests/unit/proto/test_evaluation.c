@@ -1,0 +1,150 @@
+#include "support.h"
+
+#include <math.h>
+
+#include "proto/decode.h"
+#include "proto/evaluation.h"
+
+/* --- the request
+ * -------------------------------------------------------------------------------------------------------- */
+
+static bool decode(const char *text, bool with_set, struct proto_evaluation *out, struct proto_problem *problem)
+{
+    struct proto_set set = {0};
+    json_t *document = proto_decode_document(text, strlen(text), problem);
+    assert_non_null(document);
+    bool ok = with_set ? proto_evaluation_decode_with_set(document, &set, out, problem)
+                       : proto_evaluation_decode(document, out, problem);
+    proto_set_free(&set);
+    json_decref(document);
+    return ok;
+}
+
+static void decodes_bodies(void **state)
+{
+    (void)state;
+    struct proto_evaluation evaluation;
+    struct proto_problem problem;
+    assert_true(decode("{\"points\":[{\"vertex\":1},{\"vertex\":2}],\"gradient\":true}", false, &evaluation, &problem));
+    assert_int_equal(evaluation.points.count, 2);
+    assert_true(evaluation.wants_gradient && !evaluation.wants_path);
+    proto_evaluation_free(&evaluation);
+    proto_evaluation_free(&evaluation);
+    assert_true(decode("{\"points\":[{\"vertex\":1}],\"path\":true,\"set\":{\"points\":[{\"vertex\":0}]}}", true,
+                       &evaluation, &problem));
+    assert_true(evaluation.wants_path && !evaluation.wants_gradient);
+    proto_evaluation_free(&evaluation);
+}
+
+static void refuses_bad_bodies(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        bool with_set;
+        const char *pointer;
+    } cases[] = {
+        {"[]", false, ""},
+        {"{}", false, "/points"},
+        {"{\"points\":[]}", false, "/points"},
+        {"{\"points\":[{\"vertex\":1},{\"vertex\":-1}]}", false, "/points/1/vertex"},
+        {"{\"points\":[{\"vertex\":1}],\"path\":1}", false, "/path"},
+        {"{\"points\":[{\"vertex\":1}],\"gradient\":\"yes\"}", false, "/gradient"},
+        {"{\"points\":[{\"vertex\":1}],\"set\":{}}", false, "/set"},
+        {"{\"points\":[{\"vertex\":1}]}", true, "/set"},
+        {"{\"points\":[{\"vertex\":1}],\"set\":{\"points\":[{\"vertex\":0}]},\"gradient\":true}", true, "/gradient"},
+        {"{\"points\":[{\"vertx\":1}],\"set\":{\"points\":[{\"vertex\":0}]}}", true, "/points/0/vertx"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_evaluation evaluation;
+        struct proto_problem problem;
+        assert_false(decode(cases[i].text, cases[i].with_set, &evaluation, &problem));
+        assert_pointer(&problem, cases[i].pointer);
+    }
+}
+
+/* --- the answer
+ * --------------------------------------------------------------------------------------------------------- */
+
+static void what_is_not_asked_for_is_not_wanted(void **state)
+{
+    (void)state;
+    struct proto_evaluation plain = {0}, all = {.wants_path = true, .wants_gradient = true};
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = NO_QUERY;
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_false(proto_evaluation_wanted(&plain, &options) & (PROTO_RESULT_FIELD_PATH | PROTO_RESULT_FIELD_GRADIENT));
+    assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_GRADIENT);
+    parameters = QUERY("fields", "distance,path");
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_int_equal(proto_evaluation_wanted(&plain, &options), PROTO_RESULT_FIELD_DISTANCE);
+    assert_int_equal(proto_evaluation_wanted(&all, &options), PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_PATH);
+    parameters = QUERY("fields", "results");
+    assert_true(proto_options_parse(&parameters, proto_evaluation_fields, NULL, &options, &problem));
+    assert_true(proto_evaluation_wanted(&all, &options) & PROTO_RESULT_FIELD_NEAREST);
+}
+
+#define CORNER "{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0}"
+
+static void encodes_results(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = new_tetrahedron();
+    struct gd_seed seed;
+    struct gd_point ends[2];
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &ends[1], NULL), GD_OK);
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &ends[0], NULL), GD_OK);
+    seed = (struct gd_seed){.point = ends[1]};
+    uint32_t offset = 0;
+    const struct proto_located_set set = {
+        .count = 1, .seeds = &seed, .label_offsets = &offset, .labels = "a\"", .label_size = 3};
+    const struct gd_path path = {.length = 1, .count = 2, .points = ends};
+    const uint32_t all = UINT32_MAX & ~(uint32_t)PROTO_RESULT_FIELD_GRADIENT;
+    const struct {
+        struct proto_result result;
+        uint32_t wanted;
+        const char *text;
+    } cases[] = {
+        {{.distance = 1, .path = &path},
+         all,
+         "{\"distance\":1,\"nearest\":{\"index\":0,\"label\":\"a\\\"\",\"point\":" CORNER "},"
+         "\"path\":{\"length\":1,\"points\":[[1,0,0],[0,0,0]]}}"},
+        {{.distance = 1}, PROTO_RESULT_FIELD_DISTANCE, "{\"distance\":1}"},
+        {{.distance = INFINITY}, all, "{\"distance\":null,\"reason\":\"no_path\",\"nearest\":null,\"path\":null}"},
+        {{.distance = NAN}, PROTO_RESULT_FIELD_REASON, "{\"reason\":\"beyond_max_distance\"}"},
+        {{.distance = 1, .has_gradient = true, .gradient = {.angle = 0.5, .xyz = {0, 0, 1}}},
+         PROTO_RESULT_FIELD_GRADIENT,
+         "{\"gradient\":{\"angle\":0.5,\"xyz\":[0,0,1]}}"},
+        {{.distance = 0}, PROTO_RESULT_FIELD_GRADIENT, "{\"gradient\":null}"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_writer writer = new_writer();
+        proto_result_encode(&writer, mesh, &set, &cases[i].result, cases[i].wanted, PROTO_GEOMETRY_XYZ);
+        assert_written(&writer, cases[i].text);
+    }
+    gd_mesh_release(mesh);
+}
+
+static void results_are_a_list(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_results_begin(&writer);
+    for (int i = 0; i < 2; i++) {
+        const struct proto_result result = {.distance = i};
+        proto_result_encode(&writer, NULL, NULL, &result, PROTO_RESULT_FIELD_DISTANCE, PROTO_GEOMETRY_NONE);
+    }
+    proto_results_end(&writer);
+    assert_written(&writer, "{\"results\":[{\"distance\":0},{\"distance\":1}]}");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(decodes_bodies),     cmocka_unit_test(refuses_bad_bodies),
+        cmocka_unit_test(encodes_results),    cmocka_unit_test(what_is_not_asked_for_is_not_wanted),
+        cmocka_unit_test(results_are_a_list),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,126 @@
+#include "support.h"
+
+#include <math.h>
+
+#include "proto/decode.h"
+#include "proto/field.h"
+
+static bool decode(const char *text, struct proto_field_request *out, struct proto_problem *problem)
+{
+    json_t *document = proto_decode_document(text, strlen(text), problem);
+    assert_non_null(document);
+    bool ok = proto_field_decode(document, out, problem);
+    if (ok) proto_set_free(&out->set);
+    json_decref(document);
+    return ok;
+}
+
+static void decodes_requests(void **state)
+{
+    (void)state;
+    struct proto_field_request request;
+    struct proto_problem problem;
+    assert_true(decode("{\"set\":{\"points\":[{\"vertex\":1}]}}", &request, &problem));
+    assert_true(request.max_distance == 0);
+    assert_true(decode("{\"max_distance\":0.5,\"set\":{\"points\":[{\"vertex\":1}]}}", &request, &problem));
+    assert_true(request.max_distance == 0.5);
+}
+
+static void refuses_bad_requests(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *pointer;
+    } cases[] = {
+        {"[]", ""},
+        {"{}", "/set"},
+        {"{\"set\":{\"points\":[{\"vertex\":1}]},\"radius\":1}", "/radius"},
+        {"{\"set\":{\"points\":[{\"vertex\":1}]},\"max_distance\":0}", "/max_distance"},
+        {"{\"set\":{\"points\":[{\"vertex\":1}]},\"max_distance\":-1}", "/max_distance"},
+        {"{\"set\":{\"points\":[{\"vertex\":1}]},\"max_distance\":null}", "/max_distance"},
+        {"{\"set\":{\"points\":[{\"vertex\":1.5}]}}", "/set/points/0/vertex"},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        struct proto_field_request request;
+        struct proto_problem problem;
+        assert_false(decode(cases[i].text, &request, &problem));
+        assert_pointer(&problem, cases[i].pointer);
+    }
+}
+
+static void describes(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = new_tetrahedron();
+    struct proto_field_description description = {
+        .id = "0123", .wedges = 7, .bytes = 900, .build_ms = 0.25, .members = 2, .max = 1.5};
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &description.farthest, NULL), GD_OK);
+    struct proto_writer writer = new_writer();
+    proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ALL);
+    assert_written(&writer, "{\"id\":\"0123\",\"wedges\":7,\"bytes\":900,\"build_ms\":0.25,\"max\":1.5,\"farthest\":"
+                            "{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1},\"members\":2,"
+                            "\"max_distance\":null}");
+    description.max = NAN;
+    description.max_distance = 0.5;
+    proto_field_encode(&writer, mesh, &description,
+                       PROTO_FIELD_FIELD_MAX | PROTO_FIELD_FIELD_FARTHEST | PROTO_FIELD_FIELD_MAX_DISTANCE);
+    assert_written(&writer, "{\"max\":null,\"reason\":\"beyond_max_distance\",\"farthest\":null,\"max_distance\":0.5}");
+    proto_field_list_begin(&writer);
+    proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
+    proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
+    proto_field_list_end(&writer, "0123");
+    assert_written(&writer, "{\"fields\":[{\"id\":\"0123\"},{\"id\":\"0123\"}],\"next\":\"0123\"}");
+    gd_mesh_release(mesh);
+}
+
+static void writes_values(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_values_encode(&writer, (const double[]){0, 0.5, INFINITY, NAN}, 4);
+    assert_written(&writer, "{\"values\":[0,0.5,null,null]}");
+}
+
+static void an_edge_is_two_vertices(void **state)
+{
+    (void)state;
+    static const char *const wrong[] = {"3", "3-", "-3", "3-x", "3-4-5", "3-4 ", "03-4", "4294967295-1", "3:4"};
+    struct proto_parameters parameters = QUERY("edge", "9-3");
+    struct proto_problem problem;
+    struct gd_vertex ends[2];
+    assert_true(proto_wedges_parse(&parameters, ends, &problem));
+    assert_true(ends[0].index == 3 && ends[1].index == 9);
+    parameters = NO_QUERY;
+    assert_false(proto_wedges_parse(&parameters, ends, &problem));
+    assert_parameter(&problem, "edge");
+    for (size_t i = 0; i < COUNT(wrong); i++) {
+        parameters = QUERY("edge", wrong[i]);
+        assert_false(proto_wedges_parse(&parameters, ends, &problem));
+        assert_parameter(&problem, "edge");
+    }
+}
+
+static void writes_wedges(void **state)
+{
+    (void)state;
+    const struct gd_vertex ends[2] = {{3}, {9}};
+    const struct gd_wedge wedges[2] = {
+        {.b0 = 0, .b1 = 1, .d0 = 2, .d1 = 3, .sigma = 4, .tau = true, .at_vertex = true, .source = 5},
+        {.b0 = 1, .b1 = 2, .d0 = 3, .d1 = 4, .source = 6}};
+    struct proto_writer writer = new_writer();
+    proto_wedges_encode(&writer, ends, wedges, 2, UINT32_MAX);
+    assert_written(&writer, "{\"edge\":[3,9],\"wedges\":[{\"b0\":0,\"b1\":1,\"d0\":2,\"d1\":3,\"sigma\":4,\"tau\":true,"
+                            "\"source\":{\"vertex\":5}},{\"b0\":1,\"b1\":2,\"d0\":3,\"d1\":4,\"sigma\":0,\"tau\":false,"
+                            "\"source\":{\"member\":6}}]}");
+    proto_wedges_encode(&writer, ends, wedges, 0, PROTO_WEDGES_FIELD_WEDGES);
+    assert_written(&writer, "{\"wedges\":[]}");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(decodes_requests), cmocka_unit_test(refuses_bad_requests),    cmocka_unit_test(describes),
+        cmocka_unit_test(writes_values),    cmocka_unit_test(an_edge_is_two_vertices), cmocka_unit_test(writes_wedges),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

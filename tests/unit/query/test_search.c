@@ -1,0 +1,229 @@
+#include "query/search.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "wedge/workspace.h"
+#include "tests/samples/samples.h"
+#include "tests/samples/transform.h"
+#include "tests/support/test.h"
+
+static struct gd_mesh *terrain(uint32_t cells)
+{
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(cells, 0.5, 5, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    gd_polygons_free(&polygons);
+    return mesh;
+}
+
+/* A disc of triangles round vertex 0, with that many vertices on its rim. */
+static struct gd_mesh *disc(uint32_t rim)
+{
+    struct gd_polygons polygons = {.position_count = rim + 1, .polygon_count = rim};
+    polygons.positions = calloc(rim + 1, sizeof *polygons.positions);
+    polygons.corners = calloc(rim, 3 * sizeof *polygons.corners);
+    assert_true(polygons.positions && polygons.corners);
+    for (uint32_t i = 0; i < rim; i++) {
+        double angle = 2 * M_PI * i / rim;
+        uint32_t *corners = &polygons.corners[3 * (size_t)i];
+        polygons.positions[i + 1][0] = cos(angle);
+        polygons.positions[i + 1][1] = sin(angle);
+        corners[0] = 0, corners[1] = 1 + i, corners[2] = 1 + (i + 1) % rim;
+    }
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    gd_polygons_free(&polygons);
+    return mesh;
+}
+
+static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
+{
+    struct gd_point point;
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
+    return point;
+}
+
+static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b, const struct gd_control *control)
+{
+    struct gd_point from = vertex(mesh, a), to = vertex(mesh, b);
+    struct gd_pair_answer answer = {.distance = -1};
+    check_ok(gd_pair_solve(mesh, &from, &to, false, NULL, control, &answer, NULL), NULL);
+    return answer.distance;
+}
+
+/* --- control ------------------------------------------------------------------------------------------------------------- */
+
+static bool never(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return false;
+}
+
+static bool go_up(void *user, double fraction)
+{
+    double *last = user;
+    assert_true(fraction >= *last && fraction <= 1);
+    *last = fraction;
+    return true;
+}
+
+/* Over both runs. */
+static void progress_goes_up(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(48);
+    for (uint32_t to = 100; to < 2300; to += 200) {
+        double last = 0;
+        struct gd_control control = {.progress = go_up, .user = &last};
+        solve(mesh, 0, to, &control);
+        assert_true(last >= 0.5);
+    }
+    gd_mesh_release(mesh);
+}
+
+/* What is on another component is known without looking for it. */
+static void other_components_are_not_searched(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons, part;
+    check_ok(sample_icosphere(3, 1, &polygons), NULL);
+    check_ok(sample_icosphere(1, 1, &part), NULL);
+    for (uint32_t i = 0; i < part.position_count; i++) part.positions[i][0] += 5;
+    uint32_t last = polygons.position_count;
+    check_ok(sample_append(&polygons, &part), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_control control = {.workspace = gd_workspace_create()};
+    assert_true(isinf(solve(mesh, last, 7, &control)) && isinf(solve(mesh, 7, last, &control)));
+    assert_int_equal(control.workspace->guide.capacity, 0);
+    assert_true(solve(mesh, last, last + 3, &control) > 0);
+    gd_workspace_destroy(control.workspace);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+    gd_polygons_free(&part);
+}
+
+static enum gd_status aim(struct gd__guide *guide, const struct gd_mesh *mesh, uint32_t to,
+                          const struct gd_control *control)
+{
+    struct gd_point from = vertex(mesh, 0), target = vertex(mesh, to);
+    double upper = 0;
+    enum gd_status status = gd__guide_aim(guide, mesh, &from, &target, control, &upper);
+    if (!status) assert_true(upper > 0 && upper < GD__FAR);
+    return status;
+}
+
+static void check_clean(const struct gd__guide *guide, const struct gd_mesh *mesh)
+{
+    for (uint32_t v = 0; v < mesh->vertex_count && guide->node; v++) {
+        const struct gd__guide_node *node = &guide->node[v];
+        assert_true(node->upper >= GD__FAR && node->lower < 0 && node->parent == GD_NONE);
+        assert_true(!node->corridor && !node->closed && !node->touched);
+    }
+}
+
+/* Before the first window too: while the path is sought and its surroundings are marked. */
+static void the_guide_looks_at_its_control(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(64);
+    uint32_t far = 65 * 65 - 1;
+    int asked = 0;
+    struct gd_control cancel = {.progress = never, .user = &asked}, late = {.deadline_ns = 1};
+    struct gd__guide guide = {0};
+    struct gd_point from = vertex(mesh, 0);
+    assert_int_equal(aim(&guide, mesh, far, &cancel), GD_CANCELLED);
+    assert_int_equal(asked, 1);
+    gd__guide_clean(&guide);
+    check_clean(&guide, mesh);
+    assert_int_equal(aim(&guide, mesh, far, &late), GD_DEADLINE);
+    gd__guide_clean(&guide);
+    check_ok(aim(&guide, mesh, far, NULL), NULL);
+    guide.control = &late;
+    assert_int_equal(gd__guide_mark_corridor(&guide, &from), GD_DEADLINE);
+    gd__guide_clean(&guide);
+    check_clean(&guide, mesh);
+    gd__guide_destroy(&guide);
+    gd_mesh_release(mesh);
+}
+
+/* Nodes, list and heap are the caller's bytes. A guide that finds no room is as clean afterwards as any other. */
+static void the_guide_asks_the_budget(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(64);
+    struct gd__guide guide = {0};
+    struct gd_point from = vertex(mesh, 0);
+    size_t nodes = mesh->vertex_count * sizeof *guide.node;
+    struct gd_control poor = {.budget_bytes = nodes - 1}, tight = {.budget_bytes = nodes + 64};
+    assert_int_equal(aim(&guide, mesh, 100, &poor), GD_BUDGET);
+    assert_null(guide.node);
+    assert_int_equal(aim(&guide, mesh, 100, &tight), GD_BUDGET);
+    gd__guide_clean(&guide);
+    uint32_t full = 0;
+    for (uint32_t to = 500; to < 65 * 65; to += 370) {
+        check_ok(aim(&guide, mesh, to, NULL), NULL);
+        guide.touched_capacity = guide.touched_count; /* full */
+        struct gd_control spent = {.budget_bytes = gd__guide_held(&guide)};
+        guide.control = &spent;
+        full += gd__guide_mark_corridor(&guide, &from) == GD_BUDGET;
+        gd__guide_clean(&guide);
+        check_clean(&guide, mesh);
+    }
+    assert_true(full > 5);
+    gd__guide_destroy(&guide);
+    gd_mesh_release(mesh);
+}
+
+/* Whatever budget runs out where: the workspace answers the next pair as a new one does. */
+static void a_failed_search_leaves_nothing(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(32);
+    uint32_t far = 33 * 33 - 1, failed = 0;
+    struct gd_point from = vertex(mesh, 0), to = vertex(mesh, far);
+    double expected = solve(mesh, far, 0, NULL);
+    struct gd_control usual = {.workspace = gd_workspace_create()}, poor = usual;
+    enum gd_status status = GD_BUDGET;
+    for (poor.budget_bytes = 10000; status == GD_BUDGET; poor.budget_bytes += poor.budget_bytes / 20) {
+        struct gd_pair_answer answer = {.distance = -1};
+        status = gd_pair_solve(mesh, &from, &to, false, NULL, &poor, &answer, NULL);
+        check_close(solve(mesh, far, 0, &usual), expected, 1e-15);
+        failed += status == GD_BUDGET;
+    }
+    check_ok(status, NULL);
+    assert_true(failed > 10);
+    gd_workspace_destroy(usual.workspace);
+    gd_mesh_release(mesh);
+}
+
+/* A path beside a hub costs the hub's fan a few times, not once for each of its vertices. */
+static void hubs_are_walked_round_a_few_times(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = disc(4000);
+    struct gd__guide guide = {0};
+    struct gd_point from = vertex(mesh, 1), to = vertex(mesh, 400);
+    double upper;
+    check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
+    check_ok(gd__guide_mark_corridor(&guide, &from), NULL);
+    print_message("# a hub of 4000: %u entries of fans were looked at\n", guide.steps);
+    assert_true(guide.steps < 10 * 4000);
+    gd__guide_clean(&guide);
+    gd__guide_destroy(&guide);
+    check_close(solve(mesh, 1, 400, NULL), 2 * sin(M_PI * 399 / 4000), 1e-6);
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(progress_goes_up),
+        cmocka_unit_test(other_components_are_not_searched),
+        cmocka_unit_test(the_guide_looks_at_its_control),
+        cmocka_unit_test(the_guide_asks_the_budget),
+        cmocka_unit_test(a_failed_search_leaves_nothing),
+        cmocka_unit_test(hubs_are_walked_round_a_few_times),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
