@@ -39,9 +39,8 @@ def torus(faces, *options):
 
 
 def needles(faces):
-    """A prism's mantle: as many sides as it may have, from four rings on."""
-    sides = min(faces // 8, 4096)
-    return sample("cylinder", sides=sides, rings=faces // (2 * sides))
+    """A prism's mantle of four rings, of as many sides as it takes."""
+    return sample("cylinder", sides=faces // 8, rings=4) if faces <= 1_048_576 else None
 
 
 def stretched_torus(faces):
@@ -132,9 +131,9 @@ def fit(points, key):
 
 
 def largest(points):
-    """Faces for which the process would fill the machine's memory, by the fit of its peak; None when it does not grow."""
-    exponent, factor = fit(points, "peak_bytes")
-    return (MACHINE_GIB * GIB / factor) ** (1 / exponent) if exponent > 0.1 else None
+    """Faces for which the process would fill the machine's memory: from the largest mesh on, by the growth of the peak, which is linear at the least."""
+    last, exponent = points[-1], fit(points, "peak_bytes")[0]
+    return last["faces"] * (MACHINE_GIB * GIB / last["peak_bytes"]) ** (1 / max(1, exponent if exponent == exponent else 1))
 
 
 # --- drawing -------------------------------------------------------------------------------------------------------------------------------

@@ -142,7 +142,7 @@ const struct sample samples[] = {
      make_saddle},
     {"cylinder",
      "the mantle of a prism, open at both ends",
-     {{LENGTH("radius", 1)}, {LENGTH("height", 2)}, {COUNT("sides", 32, 3, 4096)}, {COUNT("rings", 16, 1, 4096)}},
+     {{LENGTH("radius", 1)}, {LENGTH("height", 2)}, {COUNT("sides", 32, 3, 131072)}, {COUNT("rings", 16, 1, 4096)}},
      make_cylinder},
     {"terrain",
      "fractal heights over the unit square",
