@@ -39,7 +39,8 @@ static inline double gd__load_f64(const char *at, bool big_endian)
 
 static inline void gd__store_little_endian(char *at, uint64_t value, int size)
 {
-    for (int i = 0; i < size; i++) at[i] = (char)(value >> 8 * i);
+    for (int i = 0; i < size && i < 8; i++)
+        at[i] = (char)(value >> 8 * i); /* compilers that see no `size` fear for more than 8 */
 }
 
 #endif
