@@ -21,7 +21,7 @@ SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/handlers/*.
 no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
 SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
-BENCH_C   := $(wildcard tests/bench/*.c)
+BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
 
@@ -44,7 +44,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-plots torture lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -172,6 +172,9 @@ $(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tes
                           tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
+$(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o
+	$(CC) $(LDFLAGS) -o $@ $^ -lmicrohttpd
+
 $(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
@@ -225,6 +228,9 @@ bench-paper: $(BUILD)/gd_bench ## the paper's tables remade
 
 bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal ## race CGAL, and VTP=... LIBIGL=... EXPERIMENT=... (see tests/bench/peers.py)
 	tests/bench/peers.py --build $(BUILD)
+
+bench-http: build $(BUILD)/gd_http_bare ## requests a second and latency against bare libmicrohttpd (wants wrk)
+	tests/bench/http.py --build $(BUILD)
 
 bench-plots: $(BUILD)/gd_bench ## cost against mesh size, as SVG (MAX_FACES=300000)
 	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)

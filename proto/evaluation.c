@@ -95,11 +95,16 @@ static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_object_end(writer);
 }
 
+const char *proto_reason(double distance)
+{
+    return isnan(distance) ? "beyond_max_distance" : "no_path";
+}
+
 void proto_reason_encode(struct proto_writer *writer, double distance)
 {
     if (isfinite(distance)) return;
     proto_write_key(writer, "reason");
-    proto_write_string(writer, isnan(distance) ? "beyond_max_distance" : "no_path");
+    proto_write_string(writer, proto_reason(distance));
 }
 
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t wanted)

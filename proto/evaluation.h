@@ -57,6 +57,9 @@ void proto_results_end(struct proto_writer *writer);
 void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct proto_located_set *set,
                          const struct proto_result *result, uint32_t wanted, enum proto_geometry geometry);
 
+/* Why there is no distance: no_path for INFINITY, beyond_max_distance for NAN. */
+const char *proto_reason(double distance);
+
 /* "distance" and, where there is none (INFINITY, NAN), "reason": no_path or beyond_max_distance. */
 void proto_reason_encode(struct proto_writer *writer, double distance);
 

@@ -6,37 +6,21 @@
 #include "proto/evaluation.h"
 #include "proto/number.h"
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
-
-static bool decode_max_distance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    double max_distance = 0;
-    if (!json_object_get(document, "max_distance")) {
-        *out = max_distance;
-        return true;
-    }
-    if (!proto_decode_number(document, "", "max_distance", &max_distance, problem)) return false;
-    if (!(max_distance > 0))
-        return proto_problem_refuse(problem, "/max_distance", "max_distance is more than 0; leave it out for no limit");
-    *out = max_distance;
-    return true;
-}
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 bool proto_field_decode(const json_t *document, struct proto_field_request *out, struct proto_problem *problem)
 {
     static const char *const members[] = {"set", "max_distance", NULL};
     struct proto_field_request request;
     if (!proto_decode_object(document, "", members, problem)) return false;
-    if (!decode_max_distance(document, &request.max_distance, problem)) return false;
+    if (!proto_decode_max_distance(document, &request.max_distance, problem)) return false;
     const json_t *set = proto_decode_member(document, "", "set", problem);
     if (!set || !proto_set_decode(set, "/set", &request.set, problem)) return false;
     *out = request;
     return true;
 }
 
-/* --- descriptions
- * ------------------------------------------------------------------------------------------------------- */
+/* --- descriptions ----------------------------------------------------------------------------------------------- */
 
 const char *const proto_field_fields[] = {"id",       "wedges",  "bytes",        "build_ms", "max",
                                           "farthest", "members", "max_distance", NULL};
@@ -105,8 +89,7 @@ void proto_field_list_end(struct proto_writer *writer, const char *next)
     proto_write_object_end(writer);
 }
 
-/* --- values and wedges
- * -------------------------------------------------------------------------------------------------- */
+/* --- values and wedges ------------------------------------------------------------------------------------------ */
 
 const char *const proto_values_fields[] = {"values", NULL};
 

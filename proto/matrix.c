@@ -6,11 +6,11 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/evaluation.h"
 
 const char *const proto_matrix_fields[] = {"distances", "reasons", NULL};
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 void proto_matrix_free(struct proto_matrix *matrix)
 {
@@ -26,17 +26,6 @@ static bool decode_points(const json_t *document, const char *pointer, struct pr
     return out->count || proto_problem_refuse(problem, pointer, "name at least one point");
 }
 
-static bool decode_max_distance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    double max_distance = INFINITY;
-    if (json_object_get(document, "max_distance") &&
-        !proto_decode_number(document, "", "max_distance", &max_distance, problem))
-        return false;
-    *out = max_distance;
-    return max_distance > 0 ||
-           proto_problem_refuse(problem, "/max_distance", "max_distance is more than 0; leave it out for no limit");
-}
-
 static bool check_size(const struct proto_matrix *matrix, struct proto_problem *problem)
 {
     uint64_t entries = (uint64_t)matrix->sources.count * matrix->targets.count;
@@ -50,8 +39,9 @@ static bool check_size(const struct proto_matrix *matrix, struct proto_problem *
 
 static bool decode(const json_t *document, struct proto_matrix *matrix, struct proto_problem *problem)
 {
-    return decode_max_distance(document, &matrix->max_distance, problem) &&
-           decode_points(document, "/sources", &matrix->sources, problem) &&
+    if (!proto_decode_max_distance(document, &matrix->max_distance, problem)) return false;
+    if (!matrix->max_distance) matrix->max_distance = INFINITY;
+    return decode_points(document, "/sources", &matrix->sources, problem) &&
            decode_points(document, "/targets", &matrix->targets, problem) && check_size(matrix, problem);
 }
 
@@ -68,8 +58,7 @@ bool proto_matrix_decode(const json_t *document, struct proto_matrix *out, struc
     return false;
 }
 
-/* --- the answer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 static bool has_nulls(const struct proto_matrix_answer *answer)
 {
@@ -85,7 +74,7 @@ static void write_reasons(struct proto_writer *writer, const double *distances, 
         if (isfinite(distances[i]))
             proto_write_null(writer);
         else
-            proto_write_string(writer, isnan(distances[i]) ? "beyond_max_distance" : "no_path");
+            proto_write_string(writer, proto_reason(distances[i]));
     }
     proto_write_array_end(writer);
 }

@@ -9,8 +9,7 @@ const char *const proto_distance_fields[] = {"distance", "reason", "from", "to",
 const char *const proto_path_fields[] = {"distance", "reason", "from", "to", "via", "path", NULL};
 const char *const proto_pair_parameters[] = {"from", "to", "via", NULL};
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 static bool decode_end(struct proto_points *stops, const json_t *document, const char *pointer,
                        struct proto_problem *problem)
@@ -69,8 +68,7 @@ bool proto_pair_parse(const struct proto_parameters *parameters, struct proto_po
     return hand_over(&stops, parse_stops(parameters, &stops, problem), out);
 }
 
-/* --- the answer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 static void encode_path(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_pair_answer *answer,
                         enum proto_geometry geometry)

@@ -13,8 +13,7 @@ static bool refuse_memory(struct proto_problem *problem)
                              "there is no memory for a set of so many members; try again later");
 }
 
-/* --- members
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- members ---------------------------------------------------------------------------------------------------- */
 
 static bool decode_offset(const json_t *value, const char *place, double *out, struct proto_problem *problem)
 {
@@ -61,8 +60,7 @@ static bool decode_member(const json_t *value, const char *place, struct proto_m
            decode_label(value, place, &out->label, problem);
 }
 
-/* --- the set
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- the set ---------------------------------------------------------------------------------------------------- */
 
 static bool refuse_curves(const json_t *value, const char *pointer, struct proto_problem *problem)
 {
@@ -119,8 +117,7 @@ void proto_set_free(struct proto_set *set)
     *set = (struct proto_set){0};
 }
 
-/* --- onto the mesh
- * ------------------------------------------------------------------------------------------------------ */
+/* --- onto the mesh ---------------------------------------------------------------------------------------------- */
 
 static size_t label_size(const struct proto_set *set)
 {

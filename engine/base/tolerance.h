@@ -76,6 +76,10 @@
  * well above what rounding makes of ties, well below the promise of the interface. */
 #define GD_TOL_TIE 1e-11
 
+/* ... and its nodes are looked for this close, relative to the edge or the face, to where the nudge put them; ends that lie so close together are one.
+ * Where a bisector meets an edge of two sources' sight at a small angle, the nudge and rounding move its end by much more than they are. */
+#define GD_TOL_NODE 1e-6
+
 /* Ends of an isoline's arcs this close together, relative to the face, are looked at first to find which of them are one. It bounds the work, not
  * what is matched. */
 #define GD_TOL_MEET 1e-6

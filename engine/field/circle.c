@@ -46,12 +46,13 @@ static double height_over(const struct gd__circle *circle, struct gd__local norm
 /* On the side of a line to which its normal points. */
 static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
 {
-    return gd__turn_around(angle_of(circle, normal.x, normal.y), -height_over(circle, normal, through) / circle->radius);
+    return gd__turn_around(angle_of(circle, normal.x, normal.y),
+                           -height_over(circle, normal, through) / circle->radius);
 }
 
 /* On the other side. A circle that touches the line up to `slack` stays on its centre's side. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal, struct gd__local through,
-                                double slack)
+                                   double slack)
 {
     double height = height_over(circle, normal, through);
     if (fabs(fabs(height) - circle->radius) <= slack) return height > 0 ? (struct gd__turn){0} : gd__turn_all;
@@ -95,7 +96,7 @@ static enum gd_status cover_outside_sector(const struct gd__circle *circle, cons
 {
     if (!source->has_sector) return GD_OK;
     struct gd__turn beyond_left = beyond_line(circle, source->left, source->at, 0),
-                 beyond_right = beyond_line(circle, source->right, source->at, 0);
+                    beyond_right = beyond_line(circle, source->right, source->at, 0);
     enum gd_status status = gd__spans_put(covered, &beyond_left, 0);
     return status ? status : gd__spans_put(covered, &beyond_right, 0);
 }

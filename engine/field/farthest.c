@@ -101,7 +101,7 @@ static enum gd_status find_candidates(struct search *search)
 static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
 {
     const struct gd__source *source = &search->sources.source[i];
-    *out = source->farthest > search->best;
+    *out = source->farthest >= search->best; /* a seed may be the farthest vertex so far */
     if (*out || source->nearest >= search->best) return GD_OK;
     enum gd_status status = gd__circle_arcs(&search->sources, i, search->best, &search->covered, &search->spans);
     *out = search->spans.count > 0;

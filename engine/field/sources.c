@@ -100,11 +100,8 @@ static enum gd_status append_corners(const struct gd_field *field, double most, 
     for (int k = 0; k < 3 && !status; k++) {
         uint32_t vertex = field->mesh->origin[field->mesh->face_side[out->face][k]];
         double distance = field->distance[vertex];
-        struct gd__source source = {.at = out->frame.corner[k],
-                                    .sigma = distance,
-                                    .nearest = distance,
-                                    .farthest = distance,
-                                    .pseudo = vertex};
+        struct gd__source source = {
+            .at = out->frame.corner[k], .sigma = distance, .nearest = distance, .farthest = distance, .pseudo = vertex};
         if (source.nearest < most) status = append(out, &source);
     }
     return status;

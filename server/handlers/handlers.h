@@ -53,6 +53,12 @@ void server_handle_get_field_wedges(struct server_exchange *exchange);
 /* isolines.c */
 void server_handle_isolines(struct server_exchange *exchange);
 
+/* voronoi.c */
+void server_handle_voronoi(struct server_exchange *exchange);
+
+/* sampling.c */
+void server_handle_farthest_points(struct server_exchange *exchange);
+
 /* jobs.c */
 void server_handle_list_jobs(struct server_exchange *exchange);
 void server_handle_get_job(struct server_exchange *exchange);

@@ -1,4 +1,6 @@
 """Isolines of a field: lines and arcs against circles, every point at its level's distance, what is refused, and when it ends early."""
+import concurrent.futures
+import json
 import math
 import unittest
 
@@ -7,7 +9,7 @@ from harness import SQUARE, TETRAHEDRON, TestCase, sample
 # a unit square of four triangles around its middle, which is vertex 4; the second face runs the other way round in the file
 TURNED = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0\nf 1 2 5\nf 3 2 5\nf 3 4 5\nf 4 1 5\n"
 
-# unfolded it is flat but for its apex, which the paths from the rim's vertices go round
+# flat but for its apex, around which the lines are circles of less than 2 pi
 CONE = {"radius": 1.0, "height": 0.5, "sectors": 7, "rings": 4}
 
 
@@ -215,6 +217,14 @@ class Lines(Isolines):
         ):
             posted = self.daemon.ask("body", f"fields/{field}/isolines", document)
             self.assertEqual((posted.status, posted.body), (200, self.ask("body", field, query).body))
+
+    def test_many_at_once_get_the_same(self):
+        self.daemon.put("crowd", sample("icosphere", level=3))
+        field = self.make("crowd", vertices(7))["id"]
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            answers = list(pool.map(lambda _: self.ask("crowd", field, "count=5&arcs=true").body, range(24)))
+        self.assertEqual(len(set(answers)), 1)
+        self.assertEqual(len(json.loads(answers[0])["isolines"]), 5)
 
     def test_refusals(self):
         self.daemon.put("refusals", SQUARE)

@@ -39,8 +39,7 @@ struct sweep {
     uint32_t listed, given_up;
 };
 
-/* --- meshes
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- meshes ----------------------------------------------------------------------------------------------------- */
 
 static enum gd_status read_file(const char *path, struct gd_polygons *out, struct gd_detail *detail)
 {
@@ -80,8 +79,7 @@ static enum gd_status load(const char *name, struct gd_mesh **out, struct gd_det
     return status;
 }
 
-/* --- who is right
- * ------------------------------------------------------------------------------------------------------ */
+/* --- who is right ----------------------------------------------------------------------------------------------- */
 
 static long double our_length(const struct sweep *sweep, const struct gd_field *field, uint32_t source, uint32_t target)
 {
@@ -144,8 +142,7 @@ static void settle(struct sweep *sweep, const struct gd_field *field, uint32_t s
                verdict_texts[verdict]);
 }
 
-/* --- the sweep
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- the sweep -------------------------------------------------------------------------------------------------- */
 
 static struct gd_field *solve(struct sweep *sweep, uint32_t source)
 {

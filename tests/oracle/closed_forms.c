@@ -4,8 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* --- box
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- box -------------------------------------------------------------------------------------------------------- */
 
 /* A face is 2 axis + side: it lies where coordinate `axis` is 0 (side 0) or size[axis] (side 1). */
 enum { BOX_FACES = 6 };
@@ -126,8 +125,7 @@ double closed_form_box(const double size[3], const double p[3], const double q[3
     return search.best;
 }
 
-/* --- fan
- * ------------------------------------------------------------------------------------------------------------- */
+/* --- fan -------------------------------------------------------------------------------------------------------- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -176,8 +174,7 @@ double closed_form_fan(const struct closed_form_fan *fan, const double p[3], con
     return hypot(reach[0] - reach[1], 2 * sqrt(reach[0] * reach[1]) * sin(0.5 * gap));
 }
 
-/* --- prism
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- prism ------------------------------------------------------------------------------------------------------ */
 
 static double girth(double radius, uint32_t sides, const double p[3])
 {
@@ -193,8 +190,7 @@ double closed_form_prism(double radius, uint32_t sides, const double p[3], const
     return hypot(fmin(gap, round - gap), p[2] - q[2]);
 }
 
-/* --- tetrahedron
- * ------------------------------------------------------------------------------------------------------ */
+/* --- tetrahedron ------------------------------------------------------------------------------------------------ */
 
 /* A place of the point in the plane, in steps of the lattice, whose points (i,j) fold up to corner (i mod 2) + 2 (j
  * mod 2). */

@@ -31,8 +31,7 @@ struct unfold_mesh {
 
 static const uint32_t NONE = UINT32_MAX;
 
-/* --- the mesh
- * ------------------------------------------------------------------------------------------------------- */
+/* --- the mesh --------------------------------------------------------------------------------------------------- */
 
 struct unfold_mesh *unfold_create(const double (*positions)[3], uint32_t position_count, const uint32_t *corners,
                                   uint32_t face_count, uint32_t insertions)
@@ -83,8 +82,7 @@ static void link_faces(struct unfold_mesh *mesh)
     mesh->linked = true;
 }
 
-/* --- inserting points
- * ------------------------------------------------------------------------------------------------ */
+/* --- inserting points ------------------------------------------------------------------------------------------- */
 
 static real determinant(const real a[3], const real b[3], const real c[3])
 {
@@ -177,8 +175,7 @@ uint32_t unfold_insert(struct unfold_mesh *mesh, uint32_t original, const double
     return vertex;
 }
 
-/* --- unfolding
- * ------------------------------------------------------------------------------------------------------- */
+/* --- unfolding -------------------------------------------------------------------------------------------------- */
 
 static real cross(struct place a, struct place b)
 {

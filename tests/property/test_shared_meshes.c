@@ -48,8 +48,7 @@ static struct gd_polygons read_mesh(const char *name)
     return polygons;
 }
 
-/* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x, "agree": x}…]…}
- * ---------------- */
+/* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x, "agree": x}…]…} ------ */
 
 struct reference {
     uint32_t source, count;
@@ -91,8 +90,7 @@ static const char *scan_reference(const char *text, const char *end, struct refe
     return distances;
 }
 
-/* --- tests
- * ------------------------------------------------------------------------------------------------------------- */
+/* --- tests ------------------------------------------------------------------------------------------------------ */
 
 static double compare(const struct gd_mesh *mesh, const struct reference *reference)
 {

@@ -17,8 +17,7 @@ enum { SOURCES = 8, TARGETS = 40, PATHS = 10, PAIRS = 3, MAX_VALUES = 4, MAX_PLA
 /* A distance in the chart; `values` are the shape's. */
 typedef double closed_form(const double *values, const double p[3], const double q[3]);
 
-/* --- closed forms
- * ------------------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------------------------- */
 
 static double plane(const double *values, const double p[3], const double q[3])
 {
@@ -50,8 +49,7 @@ static double fan(const double *values, const double p[3], const double q[3])
     return closed_form_fan(&form, p, q);
 }
 
-/* --- the table
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- the table -------------------------------------------------------------------------------------------------- */
 
 struct animal {
     const char *name;
@@ -139,8 +137,7 @@ static const struct animal animals[] = {
 
 enum { REFUSALS = sizeof refusals / sizeof *refusals, ANIMALS = sizeof animals / sizeof *animals };
 
-/* --- refused
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- refused ---------------------------------------------------------------------------------------------------- */
 
 static void test_refused(void **state)
 {
@@ -162,8 +159,7 @@ static void test_refused(void **state)
     print_message("# %d shapes refused by name\n", REFUSALS);
 }
 
-/* --- answered
- * ------------------------------------------------------------------------------------------------------------ */
+/* --- answered --------------------------------------------------------------------------------------------------- */
 
 /* Places on a shape: sources first, the shape's centre before all. */
 struct places {

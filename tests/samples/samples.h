@@ -15,8 +15,7 @@
 #include "gd/status.h"
 #include "tests/samples/remesh.h"
 
-/* --- the table
- * ------------------------------------------------------------------------------------------------------- */
+/* --- the table -------------------------------------------------------------------------------------------------- */
 
 enum { SAMPLE_PARAMETERS = 7 };
 
@@ -39,8 +38,7 @@ extern const uint32_t sample_count;
 /* NULL when there is none of that name. */
 const struct sample *sample_find(const char *name);
 
-/* --- the families
- * ---------------------------------------------------------------------------------------------------- */
+/* --- the families ----------------------------------------------------------------------------------------------- */
 
 /* Flat rectangle [0,width] x [0,height] of columns x rows cells, two triangles each. */
 GD_MUST_USE enum gd_status sample_grid(uint32_t columns, uint32_t rows, double width, double height,

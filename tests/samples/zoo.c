@@ -49,8 +49,7 @@ static enum gd_status remember_chart(struct zoo_shape *shape)
     return GD_OK;
 }
 
-/* --- to be refused
- * ------------------------------------------------------------------------------------------------- */
+/* --- to be refused ---------------------------------------------------------------------------------------------- */
 
 enum gd_status zoo_twin_vertices(const double *values, struct zoo_shape *out)
 {
@@ -118,8 +117,7 @@ enum gd_status zoo_not_finite(const double *values, struct zoo_shape *out)
     return status;
 }
 
-/* --- flat
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- flat ------------------------------------------------------------------------------------------------------- */
 
 enum gd_status zoo_cap(const double *values, struct zoo_shape *out)
 {
@@ -199,8 +197,7 @@ enum gd_status zoo_pillow(const double *values, struct zoo_shape *out)
     return status;
 }
 
-/* --- curved
- * -------------------------------------------------------------------------------------------------------- */
+/* --- curved ----------------------------------------------------------------------------------------------------- */
 
 enum gd_status zoo_tube(const double *values, struct zoo_shape *out)
 {

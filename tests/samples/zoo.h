@@ -19,8 +19,7 @@ typedef enum gd_status zoo_maker(const double *values, struct zoo_shape *out);
 
 void zoo_shape_free(struct zoo_shape *shape);
 
-/* --- to be refused
- * ------------------------------------------------------------------------------------------------- */
+/* --- to be refused ---------------------------------------------------------------------------------------------- */
 
 zoo_maker zoo_twin_vertices;   /* a grid, two neighbours of which have the same position */
 zoo_maker zoo_repeated_corner; /* a face a, a, b */
@@ -30,8 +29,7 @@ zoo_maker zoo_bow_tie;         /* two fans at a vertex */
 zoo_maker zoo_moebius;         /* cells: a band with half a twist */
 zoo_maker zoo_not_finite;      /* coordinate: a triangle that has it */
 
-/* --- flat
- * ---------------------------------------------------------------------------------------------------------- */
+/* --- flat ------------------------------------------------------------------------------------------------------- */
 
 /* height: a quadrilateral in the plane; one of its four triangles has a base of 1 and that height. */
 zoo_maker zoo_cap;
@@ -48,8 +46,7 @@ zoo_maker zoo_accordion;
 /* width, height, points a side: two rectangles upon each other, joined at the rim; chart: z > 0 above, < 0 below. */
 zoo_maker zoo_pillow;
 
-/* --- curved
- * -------------------------------------------------------------------------------------------------------- */
+/* --- curved ----------------------------------------------------------------------------------------------------- */
 
 /* radius, height, sides, rings: sample_cylinder. */
 zoo_maker zoo_tube;

@@ -18,8 +18,7 @@
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-/* --- query string: names and values in turn, NULL at the end
- * -------------------------------------------------------------- */
+/* --- query string: names and values in turn, NULL at the end ---------------------------------------------------- */
 
 static inline const char *query_get(void *user, const char *name)
 {
@@ -43,8 +42,7 @@ static inline struct proto_parameters query_of(const char *const *pairs)
 #define QUERY(...) query_of((const char *const[]){__VA_ARGS__, NULL})
 #define NO_QUERY   query_of((const char *const[]){NULL})
 
-/* --- results
- * ---------------------------------------------------------------------------------------------------------------- */
+/* --- results ---------------------------------------------------------------------------------------------------- */
 
 /* What was written is exactly `expected`; frees the writer. */
 static inline void assert_written(struct proto_writer *writer, const char *expected)

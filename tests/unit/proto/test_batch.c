@@ -3,8 +3,7 @@
 #include "proto/batch.h"
 #include "proto/decode.h"
 
-/* --- lines
- * ------------------------------------------------------------------------------------------------------------- */
+/* --- lines ------------------------------------------------------------------------------------------------------ */
 
 static void assert_line(const struct proto_batch_line *line, const char *text, uint32_t number)
 {
@@ -126,8 +125,7 @@ static void a_line_has_a_largest_size(void **state)
     test_free(text);
 }
 
-/* --- options
- * ----------------------------------------------------------------------------------------------------------- */
+/* --- options ---------------------------------------------------------------------------------------------------- */
 
 static const char *const names[] = {"distance", "reason", NULL};
 
@@ -182,8 +180,7 @@ static void the_query_string_is_checked_as_a_whole(void **state)
     assert_parameter(&problem, "from");
 }
 
-/* --- the answer
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 static void write_object(struct proto_writer *writer, const char *key)
 {

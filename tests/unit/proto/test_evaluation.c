@@ -5,8 +5,7 @@
 #include "proto/decode.h"
 #include "proto/evaluation.h"
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 static bool decode(const char *text, bool with_set, struct proto_evaluation *out, struct proto_problem *problem)
 {
@@ -63,8 +62,7 @@ static void refuses_bad_bodies(void **state)
     }
 }
 
-/* --- the answer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 static void what_is_not_asked_for_is_not_wanted(void **state)
 {

@@ -5,8 +5,7 @@
 #include "proto/decode.h"
 #include "proto/matrix.h"
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 static bool decode(const char *text, struct proto_matrix *out, struct proto_problem *problem)
 {
@@ -96,8 +95,7 @@ static void has_a_largest_size(void **state)
     assert_non_null(strstr(problem.detail, "4002000"));
 }
 
-/* --- the answer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 #define BOTH (PROTO_MATRIX_FIELD_DISTANCES | PROTO_MATRIX_FIELD_REASONS)
 

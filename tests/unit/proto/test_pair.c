@@ -5,8 +5,7 @@
 #include "proto/decode.h"
 #include "proto/pair.h"
 
-/* --- the request
- * -------------------------------------------------------------------------------------------------------- */
+/* --- the request ------------------------------------------------------------------------------------------------ */
 
 static bool decode(const char *text, struct proto_points *out, struct proto_problem *problem)
 {
@@ -128,8 +127,7 @@ static void says_which_of_the_points_is_not_there(void **state)
     gd_mesh_release(mesh);
 }
 
-/* --- the answer
- * --------------------------------------------------------------------------------------------------------- */
+/* --- the answer ------------------------------------------------------------------------------------------------- */
 
 #define FROM "\"from\":{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0}"
 #define TO   "\"to\":{\"face\":0,\"barycentric\":[0,0,1],\"xyz\":[1,0,0],\"vertex\":1,\"snap_distance\":1}"

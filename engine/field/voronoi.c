@@ -1,0 +1,221 @@
+#include "gd/voronoi.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "field/array.h"
+#include "field/voronoi_parts.h"
+
+/* The diagram: owners of vertices, switches along edges, strands in faces, and the lines that they form. */
+
+enum {
+    CHECK_INTERVAL = 16, /* edges or faces that see more than one member */
+    ROUNDS_MOST = 4      /* in which vertices change hands; ties behind ties are rare */
+};
+
+/* The part of the work that is done when a step begins. */
+static const struct {
+    double switches, strands, lines;
+} begun = {0.1, 0.3, 0.9};
+
+/* --- the graph -------------------------------------------------------------------------------------------------------------- */
+
+enum gd_status gd__diagram_add_node(struct gd__diagram *diagram, const struct gd_point *point, uint32_t *out)
+{
+    struct gd__node *grown =
+        gd__array_reserve(diagram->node, &diagram->node_capacity, diagram->node_count + 1, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    diagram->node = grown;
+    *out = diagram->node_count++;
+    grown[*out] = (struct gd__node){.point = *point, .strand = {GD_NONE, GD_NONE}};
+    return GD_OK;
+}
+
+enum gd_status gd__diagram_add_strand(struct gd__diagram *diagram, const struct gd__strand *strand, uint32_t *out)
+{
+    struct gd__strand *grown =
+        gd__array_reserve(diagram->strand, &diagram->strand_capacity, diagram->strand_count + 1, sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    diagram->strand = grown;
+    *out = diagram->strand_count++;
+    grown[*out] = *strand;
+    return GD_OK;
+}
+
+static enum gd_status open_diagram(struct gd__diagram *diagram)
+{
+    const struct gd_mesh *mesh = diagram->mesh;
+    diagram->owner = malloc(sizeof *diagram->owner * mesh->vertex_count);
+    diagram->nearest = malloc(sizeof *diagram->nearest * mesh->vertex_count);
+    diagram->first_switch = malloc(sizeof *diagram->first_switch * ((size_t)mesh->edge_count + 1));
+    if (!diagram->owner || !diagram->nearest || !diagram->first_switch) return GD_NO_MEMORY;
+    return gd__members_find(diagram->field, &diagram->members);
+}
+
+/* Vertices to those whose pseudo-sources they are. */
+static void reset_owners(struct gd__diagram *diagram)
+{
+    diagram->changed = 0;
+    for (uint32_t v = 0; v < diagram->mesh->vertex_count; v++) {
+        uint32_t member = diagram->owner[v] = diagram->members.of[v];
+        diagram->nearest[v] = diagram->field->distance[v] + (member == GD_NONE ? 0 : diagram->members.nudge[member]);
+    }
+}
+
+static void close_diagram(struct gd__diagram *diagram)
+{
+    gd__members_destroy(&diagram->members);
+    free(diagram->owner);
+    free(diagram->nearest);
+    free(diagram->first_switch);
+    free(diagram->node);
+    free(diagram->edge_switch);
+    free(diagram->strand);
+}
+
+static void close_scratch(struct gd__voronoi_scratch *scratch)
+{
+    gd__stack_destroy(&scratch->envelope);
+    gd__stack_destroy(&scratch->tail);
+    gd__sources_destroy(&scratch->sources);
+    free(scratch->view);
+    free(scratch->covered.span);
+    free(scratch->spans.span);
+    free(scratch->loose);
+    free(scratch->tie);
+}
+
+/* --- the steps --------------------------------------------------------------------------------------------------------------- */
+
+struct tracer {
+    struct gd__diagram diagram;
+    struct gd__voronoi_scratch scratch;
+    const struct gd_control *control;
+    uint32_t work;
+};
+
+/* What the diagram takes, and what it takes while an array grows. */
+static size_t held_by(const struct gd__diagram *diagram)
+{
+    return diagram->mesh->vertex_count * (sizeof *diagram->owner + sizeof *diagram->nearest + sizeof(uint32_t)) +
+           diagram->mesh->edge_count * sizeof *diagram->first_switch +
+           2 * (diagram->node_capacity * sizeof *diagram->node +
+                diagram->switch_capacity * sizeof *diagram->edge_switch +
+                diagram->strand_capacity * sizeof *diagram->strand);
+}
+
+static enum gd_status check(struct tracer *tracer, double fraction)
+{
+    if (tracer->work++ % CHECK_INTERVAL) return GD_OK;
+    enum gd_status status = gd_control_afford(tracer->control, held_by(&tracer->diagram));
+    return status ? status : gd_control_check(tracer->control, fraction);
+}
+
+static bool is_reached(const struct gd__diagram *diagram, uint32_t edge)
+{
+    return diagram->members.of[diagram->mesh->origin[2 * edge]] != GD_NONE;
+}
+
+static enum gd_status find_owners(struct tracer *tracer, int round)
+{
+    struct gd__diagram *diagram = &tracer->diagram;
+    uint32_t edges = diagram->mesh->edge_count;
+    enum gd_status status = GD_OK;
+    reset_owners(diagram);
+    for (uint32_t edge = 0; edge < edges && !status; edge++) {
+        if (!is_reached(diagram, edge) || !gd__edge_is_mixed(diagram, edge)) continue;
+        status = check(tracer, begun.switches * (round + (double)edge / edges) / (ROUNDS_MOST + 1));
+        gd__edge_own_ends(diagram, edge);
+    }
+    return status;
+}
+
+/* A vertex that changes hands changes those whose pseudo-source it is. */
+static enum gd_status settle_owners(struct tracer *tracer)
+{
+    struct gd__diagram *diagram = &tracer->diagram;
+    enum gd_status status = find_owners(tracer, 0);
+    for (int round = 1; round <= ROUNDS_MOST && diagram->changed && !status; round++) {
+        status = gd__members_change(diagram->field, diagram->owner, &diagram->members);
+        if (!status) status = find_owners(tracer, round);
+    }
+    return status;
+}
+
+static enum gd_status find_switches(struct tracer *tracer, bool *is_mixed)
+{
+    struct gd__diagram *diagram = &tracer->diagram;
+    uint32_t edges = diagram->mesh->edge_count;
+    enum gd_status status = GD_OK;
+    for (uint32_t edge = 0; edge < edges && !status; edge++) {
+        diagram->first_switch[edge] = diagram->switch_count;
+        is_mixed[edge] = is_reached(diagram, edge) && gd__edge_is_mixed(diagram, edge);
+        if (!is_mixed[edge]) continue;
+        status = check(tracer, begun.switches + (begun.strands - begun.switches) * edge / edges);
+        if (!status) status = gd__edge_switch(diagram, edge, &tracer->scratch);
+    }
+    diagram->first_switch[edges] = diagram->switch_count;
+    return status;
+}
+
+/* Does the face see more than one member? */
+static bool is_mixed_face(const struct gd__diagram *diagram, const bool *is_mixed, uint32_t face)
+{
+    const struct gd_mesh *mesh = diagram->mesh;
+    const struct gd_field *field = diagram->field;
+    for (int k = 0; k < 3; k++)
+        if (is_mixed[mesh->face_side[face][k] >> 1]) return true;
+    uint32_t member = diagram->owner[mesh->origin[mesh->face_side[face][0]]];
+    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++)
+        if (diagram->members.of[mesh->vertex_count + f->seed] != member) return true;
+    return false;
+}
+
+static enum gd_status find_strands(struct tracer *tracer, const bool *is_mixed)
+{
+    struct gd__diagram *diagram = &tracer->diagram;
+    uint32_t faces = diagram->mesh->face_count;
+    enum gd_status status = GD_OK;
+    for (uint32_t face = 0; face < faces && !status; face++) {
+        if (!is_mixed_face(diagram, is_mixed, face)) continue;
+        status = check(tracer, begun.strands + (begun.lines - begun.strands) * face / faces);
+        if (!status) status = gd__face_strands(diagram, face, &tracer->scratch);
+        if (!status) status = gd__face_match(diagram, &tracer->scratch);
+    }
+    return status;
+}
+
+static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_voronoi *out)
+{
+    struct gd__diagram *diagram = &tracer->diagram;
+    bool *is_mixed = malloc(sizeof *is_mixed * diagram->mesh->edge_count);
+    enum gd_status status = is_mixed ? open_diagram(diagram) : GD_NO_MEMORY;
+    if (!status) status = settle_owners(tracer);
+    if (!status) status = find_switches(tracer, is_mixed);
+    if (!status) status = find_strands(tracer, is_mixed);
+    const struct gd__export export = {tolerance / diagram->mesh->unit, tracer->control, held_by(diagram), begun.lines};
+    if (!status) status = gd__diagram_export(diagram, &export, out);
+    free(is_mixed);
+    return status;
+}
+
+enum gd_status gd_voronoi_trace(const struct gd_field *field, double tolerance, const struct gd_control *control,
+                                struct gd_voronoi *out)
+{
+    if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
+    if (field->reach < GD__FAR) return GD_BEYOND_REACH;
+    struct tracer tracer = {.diagram = {.field = field, .mesh = field->mesh}, .control = control};
+    enum gd_status status = trace(&tracer, tolerance, out);
+    close_diagram(&tracer.diagram);
+    close_scratch(&tracer.scratch);
+    return status;
+}
+
+void gd_voronoi_free(struct gd_voronoi *voronoi)
+{
+    if (!voronoi) return;
+    free(voronoi->bisectors);
+    free(voronoi->points);
+    *voronoi = (struct gd_voronoi){0};
+}

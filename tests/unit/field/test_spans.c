@@ -1,0 +1,76 @@
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "field/spans.h"
+
+static void check_span(const struct gd__span *span, double from, double to)
+{
+    check_close(span->from, from, 1e-13);
+    check_close(span->to, to, 1e-13);
+}
+
+static void around_an_angle(void **state)
+{
+    (void)state;
+    struct gd__turn turn = gd__turn_around(1, 0.5);
+    assert_int_equal(turn.count, 1);
+    check_span(&turn.part[0], 1 - M_PI / 3, 1 + M_PI / 3);
+    turn = gd__turn_around(3, 0); /* beyond pi */
+    assert_int_equal(turn.count, 2);
+    check_span(&turn.part[0], -M_PI, 3 + M_PI_2 - 2 * M_PI);
+    check_span(&turn.part[1], 3 - M_PI_2, M_PI);
+    assert_int_equal(gd__turn_around(-3, 0).count, 2);
+    assert_int_equal(gd__turn_around(0, 1).count, 0);
+    assert_int_equal(gd__turn_around(0, NAN).count, 0);
+    turn = gd__turn_around(0, -2);
+    check_span(&turn.part[0], -M_PI, M_PI);
+}
+
+static void in_common(void **state)
+{
+    (void)state;
+    struct gd__turn a = gd__turn_around(3, 0), b = gd__turn_around(-3, 0), common = gd__turn_both(&a, &b);
+    assert_int_equal(common.count, 2);
+    check_span(&common.part[0], -M_PI, 3 + M_PI_2 - 2 * M_PI);
+    check_span(&common.part[1], -3 - M_PI_2 + 2 * M_PI, M_PI);
+    struct gd__turn c = gd__turn_around(0, 0.99);
+    assert_int_equal(gd__turn_both(&a, &c).count, 0);
+}
+
+/* What is left is bounded by who covers the rest. */
+static void what_is_left(void **state)
+{
+    (void)state;
+    struct gd__spans covered = {0}, left = {0};
+    struct gd__turn first = {2, {{-2, -1, 0, 0}, {1, 2, 0, 0}}}, second = {1, {{-1.5, 0.5, 0, 0}}};
+    check_ok(gd__spans_put(&covered, &first, 7), NULL);
+    check_ok(gd__spans_put(&covered, &second, 8), NULL);
+    check_ok(gd__spans_invert(&covered, 0.1, &left), NULL);
+    assert_int_equal(left.count, 3);
+    check_span(&left.span[1], 0.5, 1);
+    assert_true(left.span[1].from_by == 8 && left.span[1].to_by == 7);
+    assert_true(left.span[0].from_by == GD__SPAN_OPEN && left.span[0].to_by == 7);
+    assert_true(left.span[2].from_by == 7 && left.span[2].to_by == GD__SPAN_OPEN);
+    gd__spans_join(&left);
+    assert_int_equal(left.count, 2);
+    check_span(&left.span[1], 2, 2 * M_PI - 2);
+    assert_true(left.span[1].from_by == 7 && left.span[1].to_by == 7);
+    covered.count = 0;
+    check_ok(gd__spans_put(&covered, &gd__turn_all, 3), NULL);
+    check_ok(gd__spans_invert(&covered, 0, &left), NULL);
+    assert_int_equal(left.count, 0);
+    free(covered.span);
+    free(left.span);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(around_an_angle),
+        cmocka_unit_test(in_common),
+        cmocka_unit_test(what_is_left),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
