@@ -24,9 +24,9 @@ static void adopt(struct gd__pool *pool, struct gd__pool_chunk *chunk)
     pool->end = (char *)chunk + chunk->size;
 }
 
-void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead)
+void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
 {
-    *pool = (struct gd__pool){.item_size = item_size, .control = control, .overhead = overhead};
+    *pool = (struct gd__pool){.item_size = item_size, .purse = purse};
 }
 
 static void free_chunks(struct gd__pool_chunk *chunk)
@@ -44,13 +44,14 @@ void gd__pool_destroy(struct gd__pool *pool)
     *pool = (struct gd__pool){0};
 }
 
-void gd__pool_restart(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead)
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
 {
     struct gd__pool_chunk *largest = pool->chunks; /* the newest */
     if (largest) free_chunks(largest->next);
     if (largest) largest->next = NULL;
-    gd__pool_init(pool, item_size, control, overhead);
+    gd__pool_init(pool, item_size, purse);
     if (largest) adopt(pool, largest);
+    if (purse) purse->held += pool->bytes;
 }
 
 /* Each chunk is as large as all before it together, within bounds; large ones lie on huge pages, which saves most page faults. */
@@ -65,7 +66,7 @@ static size_t next_chunk_size(const struct gd__pool *pool, size_t need)
 static enum gd_status grow(struct gd__pool *pool, size_t need)
 {
     size_t size = next_chunk_size(pool, need);
-    enum gd_status status = gd_control_afford(pool->control, pool->overhead + pool->bytes + size);
+    enum gd_status status = gd__purse_take(pool->purse, size);
     if (status) return status;
     struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;

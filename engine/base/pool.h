@@ -7,28 +7,28 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "gd/control.h"
+#include "base/purse.h"
 
 #define GD__POOL_CLASSES 32
 
 struct gd__pool_chunk;
 
 struct gd__pool {
-    size_t item_size;                 /* >= sizeof(void *) */
-    const struct gd_control *control; /* its budget is asked before a chunk is taken; may be NULL */
+    size_t item_size;        /* >= sizeof(void *) */
+    struct gd__purse *purse; /* pays for the chunks; may be NULL */
     struct gd__pool_chunk *chunks;
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];
-    size_t bytes; /* of all chunks; what the owner has outside counts in `overhead` */
-    size_t overhead;
+    size_t bytes;          /* of all chunks */
     enum gd_status status; /* why the last request failed */
 };
 
-void gd__pool_init(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead);
+void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the largest chunk. An all-zero pool will do. */
-void gd__pool_restart(struct gd__pool *pool, size_t item_size, const struct gd_control *control, size_t overhead);
+/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the largest chunk, which the purse
+ * is charged with unasked. An all-zero pool will do. */
+void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 
 /* Items of a block: 1 to 16 of them, then powers of two. */
 static inline uint32_t gd__pool_items(uint32_t size_class)

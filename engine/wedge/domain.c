@@ -151,8 +151,8 @@ static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__
 {
     struct gd__region *own = &front->work->wedges;
     const struct gd__region *from = &other->work->wedges;
-    own->control = front->monitor;
-    own->overhead += gd__workspace_need(front->mesh) + from->used;
+    front->work->purse.control = front->monitor;
+    front->work->purse.held += other->work->purse.held;
     enum gd_status status = gd__region_reserve(own, from->used);
     if (status) return status;
     uint32_t shift = (uint32_t)(own->used / GD__CHUNK_UNIT);

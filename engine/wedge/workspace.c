@@ -153,9 +153,10 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
     if (!w->queue) w->queue = gd__queue_create();
     if (!w->queue) return GD_NO_MEMORY;
     gd__queue_set_width(w->queue, bucket_width);
-    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, control, need);
+    w->purse = (struct gd__purse){.control = control, .held = need};
+    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->purse);
     w->left = w->right = (struct gd__children){0};
-    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, control, need);
+    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
 }
 
 /* --- life ---------------------------------------------------------------------------------------------------------------- */

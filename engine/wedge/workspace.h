@@ -39,6 +39,7 @@ struct gd_workspace {
 
     struct gd__guide guide; /* of searches for one target */
 
+    struct gd__purse purse;   /* of the propagation at hand: arrays, windows and wedges come from one budget */
     struct gd__region wedges; /* chunks; closed where a propagation kept them */
     struct gd__queue *queue;
     struct gd__pool pool;

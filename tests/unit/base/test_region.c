@@ -80,7 +80,7 @@ static void grows(void **state)
 {
     (void)state;
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     assert_true(is_aligned(region.base));
     assert_int_equal(region.used, 0);
     const char *base = region.base;
@@ -101,16 +101,19 @@ static void asks_the_budget(void **state)
 {
     (void)state;
     struct gd_control control = {.budget_bytes = 10 * MEGABYTE};
+    struct gd__purse purse = {.control = &control, .held = 4 * MEGABYTE};
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, &control, 4 * MEGABYTE), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
     check_ok(gd__region_reserve(&region, 6 * MEGABYTE), NULL); /* to the last byte */
     region.used = 6 * MEGABYTE;
     struct gd__region before = region;
     assert_int_equal(gd__region_reserve(&region, 8), GD_BUDGET);
     assert_memory_equal(&region, &before, sizeof region);
     check_ok(gd__region_reserve(&region, 0), NULL);
+    assert_int_equal(purse.held, control.budget_bytes);
     gd__region_destroy(&region);
-    check_ok(gd__region_open(&region, MEGABYTE, &control, 4 * MEGABYTE), NULL);
+    purse.held = 4 * MEGABYTE;
+    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
     size_t step = 24 * 100;
     while (gd__region_reserve(&region, step) == GD_OK) region.used += step; /* never more than allowed, and all of it */
     assert_true(region.used + step > 6 * MEGABYTE && region.granted <= 6 * MEGABYTE);
@@ -123,10 +126,11 @@ static void opens_again(void **state)
     (void)state;
     struct gd_control control = {.budget_bytes = 3 * MEGABYTE};
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     grow(&region, 5 * MEGABYTE);
     const char *base = region.base;
-    check_ok(gd__region_open(&region, MEGABYTE, &control, 2 * MEGABYTE), NULL);
+    struct gd__purse purse = {.control = &control, .held = 2 * MEGABYTE};
+    check_ok(gd__region_open(&region, MEGABYTE, &purse), NULL);
     assert_ptr_equal(region.base, base);
     assert_int_equal(region.used, 0);
     assert_int_equal(gd__region_reserve(&region, 2 * MEGABYTE), GD_BUDGET); /* though its pages are there */
@@ -138,7 +142,7 @@ static void has_an_end(void **state)
 {
     (void)state;
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     assert_int_equal(gd__region_reserve(&region, GD__REGION_MOST + 8), GD_BUDGET);
     check_filled(region.base, grow(&region, MEGABYTE)); /* it goes on below */
     gd__region_destroy(&region);
@@ -148,7 +152,7 @@ static void has_an_end(void **state)
 static struct gd__kept make_kept(size_t size, size_t *used)
 {
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     *used = grow(&region, size);
     struct gd__kept kept = gd__region_close(&region);
     assert_null(region.base);
@@ -184,7 +188,7 @@ static void keeps_spare_memory(void **state)
     }
     size_t spare = gd__region_spare();
     struct gd__region region = {0};
-    check_ok(gd__region_open(&region, MEGABYTE, NULL, 0), NULL);
+    check_ok(gd__region_open(&region, MEGABYTE, NULL), NULL);
     assert_ptr_equal(region.base, kept[11].base); /* the newest */
     assert_true(region.used == 0 && gd__region_spare() < spare);
     check_filled(region.base, grow(&region, 3 * MEGABYTE));
@@ -209,12 +213,12 @@ static void makes_do_with_little_address_space(void **state)
     scarce = (struct rlimit){.rlim_cur = 200 * MEGABYTE, .rlim_max = before.rlim_max};
     assert_int_equal(setrlimit(RLIMIT_AS, &scarce), 0);
     struct gd__region region = {0}, more = {0};
-    enum gd_status status = gd__region_open(&region, MEGABYTE, NULL, 0),
+    enum gd_status status = gd__region_open(&region, MEGABYTE, NULL),
                    full = gd__region_reserve(&region, 300 * MEGABYTE);
     size_t size = status ? 0 : grow(&region, 20 * MEGABYTE);
     scarce.rlim_cur = MEGABYTE; /* less than is in use: nothing more is given */
     int limited = setrlimit(RLIMIT_AS, &scarce);
-    enum gd_status none = gd__region_open(&more, MEGABYTE, NULL, 0);
+    enum gd_status none = gd__region_open(&more, MEGABYTE, NULL);
     assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
     check_ok(status, NULL);
     assert_int_equal(full, GD_NO_MEMORY);

@@ -301,7 +301,7 @@ static uint64_t cast_children, cast_joined, cast_tangled;
 static int open_pool(void **state)
 {
     (void)state;
-    gd__pool_init(&pool, GD__LIST_POOL_ITEM, NULL, 0);
+    gd__pool_init(&pool, GD__LIST_POOL_ITEM, NULL);
     return 0;
 }
 

@@ -52,7 +52,7 @@ static double cast(const struct gd_side *side, const struct gd__window *window)
 static int open_pool(void **state)
 {
     (void)state;
-    gd__pool_init(&pool, GD__LIST_POOL_ITEM, NULL, 0);
+    gd__pool_init(&pool, GD__LIST_POOL_ITEM, NULL);
     memset(children, 0, sizeof children);
     return 0;
 }
