@@ -56,22 +56,20 @@ const char *gd_number_parse(const char *at, const char *end, double *out)
 
 /* The significant digits of a shortest decimal: 0.DIGITS x 10^point. */
 struct digits {
-    char text[24];
+    const char *text;
     size_t count;
     int point;
 };
 
-/* Takes the digits out of "d.ddde+XX". */
-static struct digits shortest_digits(double magnitude)
+/* Takes the digits out of "d.ddde+XX", which it makes in `text`: the first one is moved over the point, to the others. */
+static struct digits shortest_digits(double magnitude, char text[32])
 {
-    char text[32];
-    const char *end = std::to_chars(text, text + sizeof text, magnitude, std::chars_format::scientific).ptr;
-    struct digits digits = {};
-    const char *at = text;
-    for (; at < end && *at != 'e'; at++)
-        if (*at != '.') digits.text[digits.count++] = *at;
-    digits.point = 1 + (int)saturated_integer(at + 1, end);
-    return digits;
+    const char *end = std::to_chars(text, text + 32, magnitude, std::chars_format::scientific).ptr;
+    const char *exponent = end - (end[-4] == 'e' ? 4 : 5); /* two digits, or three */
+    const int point = 1 + (int)saturated_integer(exponent + 1, end);
+    if (exponent - text == 1) return {text, 1, point};
+    text[1] = text[0];
+    return {text + 1, (size_t)(exponent - text) - 1, point};
 }
 
 static char *put(char *to, const char *text, size_t size)
@@ -115,6 +113,7 @@ char *gd_number_format(char *at, double value)
         *at++ = '0';
         return at;
     }
-    const struct digits digits = shortest_digits(std::fabs(value));
+    char text[32];
+    const struct digits digits = shortest_digits(std::fabs(value), text);
     return digits.point < -5 || digits.point > 17 ? put_scientific(at, digits) : put_plain(at, digits);
 }

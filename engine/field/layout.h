@@ -95,7 +95,8 @@ struct gd__way {
  * copied at once: that would wait for the stores. */
 void gd__field_way(const struct gd_field *field, const struct gd_point *point, struct gd__way *out);
 
-/* nearest.c: the pseudo-source in which the last leg of the way to a vertex begins, which a path reaches. */
+/* nearest.c: the pseudo-source in which the last leg of the way to a vertex begins, which a path reaches; GD_NONE where the births of a damaged image
+ * lead nowhere. */
 uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 
 /* The leg by which the best way ends. */

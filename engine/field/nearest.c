@@ -16,11 +16,11 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__birth birth = field->birth[vertex];
-    if (birth.source != GD_NONE) return birth.source;
+    if (birth.source != GD_NONE || birth.side == GD_NONE) return birth.source;
     double t = birth.x / mesh->side[birth.side].length;
     struct gd_point bend = gd__point_of_edge(mesh, birth.side >> 1, birth.side & 1 ? 1 - t : t);
     struct gd__leg leg = gd__field_leg(field, &bend);
-    return behind_leg(field, &leg);
+    return leg.kind == GD__LEG_NONE ? GD_NONE : behind_leg(field, &leg);
 }
 
 /* No shortest path bends at a vertex twice: a longer walk is an error. */
@@ -31,6 +31,7 @@ static enum gd_status walk_to_seed(const struct gd_field *field, uint32_t source
         if (!steps_left--) return GD_INTERNAL;
         source = gd__field_source_behind(field, source);
     }
+    if (source == GD_NONE) return GD_INTERNAL;
     *seed = source - vertices;
     return GD_OK;
 }

@@ -58,6 +58,7 @@ static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint
     while (of[source] == GD_NONE) {
         if (!steps_left--) return GD_INTERNAL;
         source = gd__field_source_behind(field, source);
+        if (source == GD_NONE) return GD_INTERNAL;
     }
     uint32_t member = of[source];
     for (source = vertex; of[source] == GD_NONE;) {

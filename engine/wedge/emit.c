@@ -1,3 +1,4 @@
+#include "mesh/local.h"
 #include "wedge/wavefront.h"
 
 /* Emission: what a pseudo-source sees at once. A seed sees its face (or the two faces of its edge, or the fan of its vertex); a saddle or
@@ -151,19 +152,8 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 
 /* --- seeds --------------------------------------------------------------------------------------------------------------- */
 
-struct local {
-    double x, y;
-};
-
-/* Where a seed lies in the frame of a side of a face that contains it; `weight`: of the side's origin, destination and apex. */
-static struct local place(const struct gd_side *s, const double weight[3])
-{
-    return (struct local){weight[1] * s->length + weight[2] * s->left_length * s->left_x,
-                          weight[2] * s->left_length * s->left_y};
-}
-
 /* Sends the seed's window out of its face across `side` (a side of that face). */
-static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct local at)
+static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
 {
     double length = front->mesh->side[side].length;
     if (gd__window_grazes(length - at.x, at.y, length)) return;
@@ -185,7 +175,7 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
 }
 
 /* Straight to the apex of `side`, a side of the seed's face. */
-static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct local at)
+static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
 {
     const struct gd_side *s = &front->mesh->side[side];
     double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
@@ -199,10 +189,9 @@ static void seed_face(struct gd__wavefront *front, uint32_t seed)
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     const uint32_t *sides = mesh->face_side[point->element];
-    struct local at[3];
+    struct gd__local at[3];
     for (int k = 0; k < 3; k++) {
-        double weight[3] = {point->weight[k], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]};
-        at[k] = place(&mesh->side[sides[k]], weight);
+        at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
         seed_apex(front, seed, sides[k], at[k]);
     }
     for (int k = 0; k < 3; k++) seed_across(front, seed, sides[k], at[k]);
@@ -213,11 +202,11 @@ static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t 
 {
     const struct gd_mesh *mesh = front->mesh;
     if (gd__side_is_boundary(mesh, side)) return;
-    seed_apex(front, seed, side, (struct local){t, 0});
+    seed_apex(front, seed, side, (struct gd__local){t, 0});
     double u = t / mesh->side[side].length; /* weights 1 - u, u, 0 of origin, destination, apex */
     uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
-    seed_across(front, seed, next, place(&mesh->side[next], (double[3]){u, 0, 1 - u}));
-    seed_across(front, seed, previous, place(&mesh->side[previous], (double[3]){0, 1 - u, u}));
+    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u));
+    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u));
 }
 
 static void seed_edge(struct gd__wavefront *front, uint32_t seed)

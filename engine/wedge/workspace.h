@@ -9,8 +9,6 @@
 #include "wedge/list.h"
 #include "wedge/queue.h"
 
-#define GD__FAR 1e300 /* not reached yet; inside lengths stay far below */
-
 /* How a vertex got its distance: the last leg of its shortest path. The leg starts at (x, -y) in the frame of `side`, the side opposite to the
  * vertex: beyond the side where it crosses it (y >= 0), in the face itself where a seed lies there (y < 0). The direction back is stored by
  * its far end, not by the crossing: where the vertex lies on or almost on that side, the crossing would not tell it. */
