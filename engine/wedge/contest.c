@@ -85,42 +85,53 @@ static bool polish(const struct gd__window *c, const struct gd__window *o, doubl
     double rc = sqrt(dc * dc + c->y * c->y), ro = sqrt(d_o * d_o + o->y * o->y);
     double residual = rc - ro - k;
     if (fabs(residual) > GD_TOL_ROOT_RESIDUAL * (rc + ro)) return false;
-    double slope = dc / rc - d_o / ro;
-    if (fabs(slope) <= GD_TOL_POLISH_SLOPE) return true;
-    double polished = *t - residual / slope;
+    double product = rc * ro, fall = dc * ro - d_o * rc; /* the slope of D is fall / product */
+    if (fabs(fall) <= GD_TOL_POLISH_SLOPE * product) return true;
+    double polished = *t - residual * product / fall;
     if (polished > lo && polished < hi && fabs(polished - *t) < GD_TOL_POLISH_STEP * (hi - lo)) *t = polished;
     return true;
 }
 
-/* Roots of the squared equation, in no order, NAN where there is none; u = t - lo keeps the coefficients small near a close source. */
-static void squared_roots(const struct gd__window *c, const struct gd__window *o, double lo, double root[2],
-                          double form[2])
+/* The squared equation in u = t - lo, which keeps its coefficients small near a close source: roots numerator / denominator, none where that is not
+ * finite; and the linear form p u + q that tells the branch. */
+struct squared {
+    double numerator[2], denominator[2], p, q;
+    bool has_roots;
+};
+
+static struct squared square(const struct gd__window *c, const struct gd__window *o, double lo)
 {
     double xc = c->x - lo, xo = o->x - lo, k = o->sigma - c->sigma, k2 = k * k;
     double p = 2 * (xo - xc), q = (xc - xo) * (xc + xo) + (c->y - o->y) * (c->y + o->y), s = q + k2;
     double a = 4 * k2 - p * p, b = 4 * k2 * xc + p * s,
            e = 4 * k2 * (xc * xc + c->y * c->y) - s * s; /* a u^2 - 2 b u + e */
-    double discriminant = b * b - a * e;
-    form[0] = p;
-    form[1] = q;
-    root[0] = root[1] = NAN;
-    if (discriminant < -GD_TOL_DISCRIMINANT * b * b) return;
-    double r = sqrt(discriminant > 0 ? discriminant : 0), z = b >= 0 ? b + r : b - r;
-    if (a != 0) root[0] = z / a;
-    if (z != 0) root[1] = e / z;
+    double discriminant = b * b - a * e, r = sqrt(discriminant > 0 ? discriminant : 0), z = b >= 0 ? b + r : b - r;
+    return (struct squared){.numerator = {z, e},
+                            .denominator = {a, z},
+                            .p = p,
+                            .q = q,
+                            .has_roots = !(discriminant < -GD_TOL_DISCRIMINANT * b * b)};
+}
+
+/* Whether n / d lies in (0, span) and on the branch; asked without dividing. */
+static bool is_on_branch(const struct squared *s, double n, double d, double span, double sign, double least)
+{
+    double up = d < 0 ? -n : n, size = fabs(d);
+    if (!(up > 0 && up < span * size)) return false;
+    return (s->p * up + s->q * size) * sign >= least * size;
 }
 
 /* Roots of D in (lo, hi) for unequal sigma, increasing; returns how many. */
 static int roots_of(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double root[2])
 {
-    double k = o->sigma - c->sigma, candidate[2], form[2];
-    squared_roots(c, o, lo, candidate, form);
-    double slack = GD_TOL_BRANCH * (fabs(form[1]) + fabs(form[0]) * (hi - lo));
+    struct squared s = square(c, o, lo);
+    if (!s.has_roots) return 0;
+    double k = o->sigma - c->sigma, span = hi - lo, slack = GD_TOL_BRANCH * (fabs(s.q) + fabs(s.p) * span);
     int count = 0;
     for (int i = 0; i < 2; i++) {
-        double u = candidate[i], t = lo + u;
-        if (!(t > lo && t < hi) || (form[0] * u + form[1]) * copysign(1, k) < k * k - slack) continue;
-        if (polish(c, o, k, lo, hi, &t)) root[count++] = t;
+        if (!is_on_branch(&s, s.numerator[i], s.denominator[i], span, copysign(1, k), k * k - slack)) continue;
+        double t = lo + s.numerator[i] / s.denominator[i];
+        if (t > lo && t < hi && polish(c, o, k, lo, hi, &t)) root[count++] = t;
     }
     if (count < 2) return count;
     if (root[0] > root[1]) {
