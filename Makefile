@@ -2,6 +2,7 @@
 # `make help` lists the targets. Everything that is built goes into $(BUILD).
 
 BUILD   ?= build
+export GEODESICD ?= $(abspath $(BUILD)/geodesicd)
 CC      ?= cc
 CXX     ?= c++
 OPT     ?= -O3
@@ -230,7 +231,7 @@ bench-peers: $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal ## race CGAL, and VTP=... 
 	tests/bench/peers.py --build $(BUILD)
 
 bench-http: build $(BUILD)/gd_http_bare ## requests a second and latency against bare libmicrohttpd (wants wrk)
-	tests/bench/http.py --build $(BUILD)
+	tests/bench/throughput.py --build $(BUILD)
 
 bench-plots: $(BUILD)/gd_bench ## cost against mesh size, as SVG (MAX_FACES=300000)
 	tests/bench/plots.py --build $(BUILD) --max-faces $(or $(MAX_FACES),300000)

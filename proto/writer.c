@@ -228,14 +228,20 @@ void proto_write_string(struct proto_writer *writer, const char *text)
 
 /* --- numbers ------------------------------------------------------------------------------------------------------ */
 
+/* Straight into the buffer where there is room for the longest. */
 void proto_write_number(struct proto_writer *writer, double value)
 {
     if (!isfinite(value)) {
         proto_write_null(writer);
         return;
     }
+    separate(writer);
+    if (writer->failure == PROTO_WRITER_FINE && writer->capacity - writer->size >= GD_NUMBER_SIZE) {
+        writer->size = (size_t)(gd_number_format(writer->data + writer->size, value) - writer->data);
+        return;
+    }
     char text[GD_NUMBER_SIZE];
-    proto_write_raw(writer, text, (size_t)(gd_number_format(text, value) - text));
+    proto_append(writer, text, (size_t)(gd_number_format(text, value) - text));
 }
 
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count)

@@ -82,8 +82,9 @@ static void refuse(struct server_job *job, enum server_refusal why);
 
 static struct server_exchange *create(struct server *server, const struct server_transport *transport)
 {
-    struct server_exchange *exchange = calloc(1, sizeof *exchange);
+    struct server_exchange *exchange = malloc(sizeof *exchange);
     if (!exchange) return NULL;
+    memset(exchange, 0, offsetof(struct server_exchange, response.headers));
     exchange->server = server;
     exchange->transport = transport;
     exchange->started_ns = gd_now_ns();

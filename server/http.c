@@ -35,8 +35,8 @@
 #include "server/router.h"
 #include "server/server.h"
 
-#define CONNECTION_MEMORY  (128 * 1024) /* headers, and the buffer that bodies pass through */
-#define CONNECTION_TIMEOUT 30u          /* seconds without a byte */
+#define CONNECTION_MEMORY  (32 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
+#define CONNECTION_TIMEOUT 30u         /* seconds without a byte */
 #define CONNECTIONS_MOST   8192u
 #define SPARE_DESCRIPTORS  64u
 #define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
@@ -200,7 +200,7 @@ static void log_request(const struct server_exchange *exchange, uint64_t nanosec
     server_log_text(&line, "lane", exchange->work ? "worker" : "inline");
     server_log_text(&line, "request_id", exchange->request_id);
     server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
-    server_log_end(&line);
+    server_log_end_soon(&line);
 }
 
 static enum MHD_Result answer(struct call *call)

@@ -179,6 +179,7 @@ static void finish(struct bringing *bringing, struct server_landmark_set *set)
     struct server_landmark_slot *slot = &bringing->surface->landmarks;
     pthread_mutex_lock(&landmarks->lock);
     slot->is_coming = false;
+    slot->waiting = NULL;
     slot->cost_ns = bringing->begun_ns ? gd_now_ns() - bringing->begun_ns : 0;
     if (set) {
         slot->set = set;
@@ -197,6 +198,9 @@ static void finish(struct bringing *bringing, struct server_landmark_set *set)
 static void run(struct server_job *job)
 {
     struct bringing *bringing = (struct bringing *)job;
+    pthread_mutex_lock(&bringing->owner->lock);
+    bringing->surface->landmarks.waiting = NULL;
+    pthread_mutex_unlock(&bringing->owner->lock);
     bringing->begun_ns = gd_now_ns();
     struct gd_landmarks *landmarks = read_or_build(bringing);
     finish(bringing, landmarks ? create_set(&bringing->owner->server->budget, landmarks) : NULL);
@@ -216,7 +220,11 @@ static void bring(struct server_landmarks *landmarks, struct server_surface *sur
                                   .owner = landmarks,
                                   .surface = server_surface_retain(surface),
                                   .pressures = atomic_load(&landmarks->pressures)};
+    pthread_mutex_lock(&landmarks->lock);
+    surface->landmarks.waiting = &bringing->job;
+    pthread_mutex_unlock(&landmarks->lock);
     server_workers_submit_background(landmarks->server->workers, &bringing->job);
+    if (atomic_load(&surface->landmarks.is_closed)) server_landmark_slot_close(&surface->landmarks); /* meanwhile */
 }
 
 /* --- from the outside --------------------------------------------------------------------------------------------- */
@@ -254,8 +262,11 @@ void server_landmark_slot_close(struct server_landmark_slot *slot)
     if (!landmarks) return;
     pthread_mutex_lock(&landmarks->lock);
     struct server_landmark_set *set = empty(landmarks, slot);
+    struct server_job *waiting = slot->waiting;
+    if (waiting && !server_workers_withdraw(landmarks->server->workers, waiting)) waiting = NULL;
     pthread_mutex_unlock(&landmarks->lock);
     server_landmark_set_release(set);
+    if (waiting) waiting->refuse(waiting, SERVER_REFUSAL_DRAINING); /* it holds the surface, which may be large */
 }
 
 struct server_landmarks *server_landmarks_create(struct server *server)

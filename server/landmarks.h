@@ -43,6 +43,7 @@ struct server_landmark_slot {
     _Atomic(struct server_landmarks *) owner; /* NULL: never asked for */
     atomic_bool is_closed;
     /* under the owner's lock: */
+    struct server_job *waiting;                   /* the job that is to bring a set, until it begins */
     struct server_landmark_set *set;              /* NULL: empty */
     struct server_landmark_slot *colder, *warmer; /* neighbours in the order of use, while there is a set */
     bool is_coming;                               /* a job brings a set */

@@ -2,14 +2,21 @@
  * out: so that every line is valid JSON whatever a client put into it. */
 #include "server/log.h"
 
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "proto/number.h"
+#include "server/thread.h"
+
 #define LINE_RESERVE 2 /* brace, newline */
 #define TEXT_LIMIT   512
+
+#define GATHERED_MOST 65536
+#define GATHER_NS     UINT64_C(10000000) /* a line is written so late at most */
 
 const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT] = {
 #define SERVER_LOG_NAME(NAME, name) #name,
@@ -33,67 +40,192 @@ static bool append(struct server_log_line *line, const char *text, size_t size)
     return true;
 }
 
-static bool append_key(struct server_log_line *line, const char *key, const char *open)
+static bool append_text(struct server_log_line *line, const char *text)
 {
-    char prefix[80];
-    int size = snprintf(prefix, sizeof prefix, ",\"%s\":%s", key, open);
-    return append(line, prefix, (size_t)size);
+    return append(line, text, strlen(text));
 }
 
-static void append_escaped(struct server_log_line *line, const char *value)
+static bool append_key(struct server_log_line *line, const char *key)
+{
+    return append(line, ",\"", 2) && append_text(line, key) && append(line, "\":", 2);
+}
+
+/* Bytes from the start of the text, at most `most`, that can be written as they are. */
+static size_t plain_run(const char *text, size_t most)
+{
+    size_t run = 0;
+    while (run < most && text[run] >= 0x20 && text[run] < 0x7f && text[run] != '"' && text[run] != '\\') run++;
+    return run;
+}
+
+static bool append_escape(struct server_log_line *line, unsigned char character)
+{
+    char escape[8];
+    bool is_short = character == '"' || character == '\\';
+    int size = snprintf(escape, sizeof escape, is_short ? "\\%c" : "\\u%04x", character);
+    return append(line, escape, (size_t)size);
+}
+
+static bool append_escaped(struct server_log_line *line, const char *value)
 {
     size_t end = line->size + TEXT_LIMIT;
-    for (const unsigned char *c = (const unsigned char *)value; *c && line->size < end; c++) {
-        char escaped[8];
-        int size = *c < 0x20 || *c >= 0x7f   ? snprintf(escaped, sizeof escaped, "\\u%04x", *c)
-                   : *c == '"' || *c == '\\' ? snprintf(escaped, sizeof escaped, "\\%c", *c)
-                                             : snprintf(escaped, sizeof escaped, "%c", *c);
-        if (!append(line, escaped, (size_t)size)) return;
+    while (*value && line->size < end) {
+        size_t run = plain_run(value, end - line->size);
+        if (run ? !append(line, value, run) : !append_escape(line, (unsigned char)*value)) return false;
+        value += run ? run : 1;
     }
+    return true;
+}
+
+/* "2026-01-31T12:34:56" of that second; a thread takes a second apart once. */
+static const char *time_text(time_t second)
+{
+    static _Thread_local time_t known = -1;
+    static _Thread_local char text[64];
+    struct tm utc;
+    if (second == known || !gmtime_r(&second, &utc)) return text;
+    strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+    known = second;
+    return text;
+}
+
+/* Writes a point and three digits. */
+static void print_thousandths(unsigned thousandths, char out[4])
+{
+    *out++ = '.';
+    for (unsigned unit = 100; unit; unit /= 10) *out++ = (char)('0' + thousandths / unit % 10);
 }
 
 bool server_log_begin(struct server_log_line *line, enum server_log_level level, const char *event)
 {
     if (level < threshold) return false;
+    char thousandths[4];
     struct timespec now;
-    struct tm utc;
     clock_gettime(CLOCK_REALTIME, &now);
-    gmtime_r(&now.tv_sec, &utc);
-    int size = snprintf(line->text, sizeof line->text,
-                        "{\"time\":\"%04d-%02d-%02dT%02d:%02d:%02d.%03ldZ\",\"level\":\"%s\",\"event\":\"%s\"",
-                        utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
-                        now.tv_nsec / 1000000, server_log_level_names[level], event);
-    line->size = (size_t)size;
+    line->size = 0;
+    append_text(line, "{\"time\":\"");
+    append_text(line, time_text(now.tv_sec));
+    print_thousandths((unsigned)(now.tv_nsec / 1000000), thousandths);
+    append(line, thousandths, sizeof thousandths);
+    append_text(line, "Z\",\"level\":\"");
+    append_text(line, server_log_level_names[level]);
+    append_text(line, "\",\"event\":\"");
+    append_text(line, event);
+    append_text(line, "\"");
     return true;
 }
 
 void server_log_text(struct server_log_line *line, const char *key, const char *value)
 {
     size_t start = line->size;
-    if (!value || !append_key(line, key, "\"")) return;
-    append_escaped(line, value);
-    if (!append(line, "\"", 1)) line->size = start;
+    if (!value) return;
+    if (!append_key(line, key) || !append(line, "\"", 1) || !append_escaped(line, value) || !append(line, "\"", 1))
+        line->size = start;
+}
+
+/* A key and its number's text. */
+static void append_number(struct server_log_line *line, const char *key, const char *text, size_t size)
+{
+    size_t start = line->size;
+    if (!append_key(line, key) || !append(line, text, size)) line->size = start;
 }
 
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value)
 {
-    char number[24];
-    snprintf(number, sizeof number, "%lld", (long long)value);
-    append_key(line, key, number);
+    char text[PROTO_INTEGER_SIZE + 1] = "-";
+    bool negative = value < 0;
+    size_t size = proto_integer_print(negative ? 0 - (uint64_t)value : (uint64_t)value, text + negative);
+    append_number(line, key, text, size + negative);
 }
 
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds)
 {
-    char number[32];
-    snprintf(number, sizeof number, "%.3f", (double)nanoseconds / 1e6);
-    append_key(line, key, number);
+    char text[PROTO_INTEGER_SIZE + 4];
+    uint64_t microseconds = (nanoseconds + 500) / 1000;
+    size_t size = proto_integer_print(microseconds / 1000, text);
+    print_thousandths((unsigned)(microseconds % 1000), text + size);
+    append_number(line, key, text, size + 4);
+}
+
+/* --- to standard error -------------------------------------------------------------------------------------------- */
+
+/* Lines that are not written yet. */
+static struct {
+    pthread_mutex_t lock;
+    struct server_thread *thread; /* writes them; NULL: nothing is gathered */
+    size_t size;
+    char text[GATHERED_MOST];
+} gathered = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+/* Under the lock. There is nowhere to report a log that can't be written: what is left of it then is dropped. */
+static void write_gathered(void)
+{
+    ssize_t written = 1;
+    for (size_t at = 0; at < gathered.size && written > 0; at += (size_t)written)
+        written = write(STDERR_FILENO, gathered.text + at, gathered.size - at);
+    gathered.size = 0;
+}
+
+/* Under the lock. */
+static void gather(struct server_log_line *line)
+{
+    memcpy(line->text + line->size, "}\n", 2);
+    line->size += 2;
+    if (line->size > sizeof gathered.text - gathered.size) write_gathered();
+    memcpy(gathered.text + gathered.size, line->text, line->size);
+    gathered.size += line->size;
 }
 
 void server_log_end(struct server_log_line *line)
 {
-    memcpy(line->text + line->size, "}\n", 2);
-    ssize_t written = write(STDERR_FILENO, line->text, line->size + 2);
-    (void)written; /* there is nowhere to report a log that can't be written */
+    pthread_mutex_lock(&gathered.lock);
+    gather(line);
+    write_gathered();
+    pthread_mutex_unlock(&gathered.lock);
+}
+
+void server_log_end_soon(struct server_log_line *line)
+{
+    pthread_mutex_lock(&gathered.lock);
+    bool is_first = gathered.size == 0;
+    gather(line);
+    if (!gathered.thread)
+        write_gathered();
+    else if (is_first)
+        server_thread_wake(gathered.thread);
+    pthread_mutex_unlock(&gathered.lock);
+}
+
+/* Lets lines gather from the first one on. */
+static void write_now_and_then(void *user, struct server_thread *thread)
+{
+    (void)user;
+    while (server_thread_pause(thread, SERVER_THREAD_FOREVER)) {
+        (void)server_thread_sleep(thread, GATHER_NS);
+        pthread_mutex_lock(&gathered.lock);
+        write_gathered();
+        pthread_mutex_unlock(&gathered.lock);
+    }
+}
+
+static struct server_thread *swap_thread(struct server_thread *thread)
+{
+    pthread_mutex_lock(&gathered.lock);
+    struct server_thread *before = gathered.thread;
+    gathered.thread = thread;
+    write_gathered();
+    pthread_mutex_unlock(&gathered.lock);
+    return before;
+}
+
+void server_log_start(void)
+{
+    swap_thread(server_thread_start(write_now_and_then, NULL));
+}
+
+void server_log_stop(void)
+{
+    server_thread_stop(swap_thread(NULL));
 }
 
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)

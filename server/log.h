@@ -6,8 +6,9 @@
  *         server_log_end(&line);
  *     }
  *
- * A line is built in the caller's frame and written by one write(2), so lines of different threads don't mix. Text
- * is escaped and cut to what fits; a log never fails a request. */
+ * A line is built in the caller's frame and written whole, so lines of different threads don't mix. Lines that tell of requests
+ * may be written a little later, many at once: they stay in order, and only a crash loses them. Text is escaped and cut to
+ * what fits; a log never fails a request. */
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H
 
@@ -44,7 +45,12 @@ void server_log_text(struct server_log_line *line, const char *key,
                      const char *value); /* value NULL: the key is left out */
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
-void server_log_end(struct server_log_line *line);
+void server_log_end(struct server_log_line *line);      /* writes it, after all those before it */
+void server_log_end_soon(struct server_log_line *line); /* has it written within hundredths of a second */
+
+/* From the start to the stop, lines that are ended soon gather, and a thread writes them; else they are written at once. */
+void server_log_start(void);
+void server_log_stop(void);
 
 /* A whole line of an event and one sentence. */
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)

@@ -61,13 +61,16 @@ int main(int argc, char *argv[])
     if (*config.backup)
         return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&ending);
+    server_log_start();
     struct server *server = server_start(&config, error, sizeof error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);
+        server_log_stop();
         return EXIT_FAILURE;
     }
     log_address(&server->config.listen);
     wait_for_end(&ending);
     server_stop(server);
+    server_log_stop();
     return EXIT_SUCCESS;
 }

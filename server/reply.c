@@ -39,6 +39,17 @@ void server_reply_header(struct server_exchange *exchange, const char *name, con
     response->headers[response->header_count++].name = name;
 }
 
+/* The same of a text that is there already. */
+static void add_header(struct server_response *response, const char *name, const char *value)
+{
+    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    size_t size = strnlen(value, SERVER_HEADER_VALUE - 1);
+    char *copy = response->headers[response->header_count].value;
+    memcpy(copy, value, size);
+    copy[size] = '\0';
+    response->headers[response->header_count++].name = name;
+}
+
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size)
 {
@@ -87,7 +98,7 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     proto_writer_free(&writer);
     exchange->response.header_count = 0;
     exchange->response.code = proto_problem_name(problem->code);
-    if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s", problem->allow);
+    if (problem->allow[0]) add_header(&exchange->response, "Allow", problem->allow);
     if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
 }
@@ -126,10 +137,10 @@ static bool takes_gzip(const struct server_exchange *exchange)
 
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset)
 {
-    server_reply_header(exchange, "ETag", "%s", asset->etag);
-    server_reply_header(exchange, "Vary", "Accept-Encoding");
+    add_header(&exchange->response, "ETag", asset->etag);
+    add_header(&exchange->response, "Vary", "Accept-Encoding");
     if (asset->gzip && takes_gzip(exchange)) {
-        server_reply_header(exchange, "Content-Encoding", "gzip");
+        add_header(&exchange->response, "Content-Encoding", "gzip");
         set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
     } else {
         set_body(exchange, 200, asset->media_type, asset->bytes, NULL, asset->size);
@@ -149,8 +160,11 @@ static char *response_header(struct server_response *response, const char *name)
 static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
 {
     const char *quoted = response_header(response, "ETag");
-    if (quoted) snprintf(tag, SERVER_HEADER_VALUE, "%.*s", (int)strlen(quoted) - 2, quoted + 1);
-    return quoted != NULL;
+    size_t size = quoted ? strlen(quoted) - 2 : 0;
+    if (!quoted) return false;
+    memcpy(tag, quoted + 1, size);
+    tag[size] = '\0';
+    return true;
 }
 
 static void name_packed_form(struct server_response *response)
@@ -211,20 +225,20 @@ static void compress(struct server_exchange *exchange)
     drop_body(response);
     response->body = response->owned = compressed;
     response->size = size;
-    server_reply_header(exchange, "Content-Encoding", "gzip");
+    add_header(&exchange->response, "Content-Encoding", "gzip");
 }
 
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    if (is_packable(response)) server_reply_header(exchange, "Vary", "Accept-Encoding");
+    if (is_packable(response)) add_header(response, "Vary", "Accept-Encoding");
     apply_conditions(exchange);
     compress(exchange);
     if (response->status != 304 && response_header(response, "Content-Encoding")) name_packed_form(response);
-    if (response->media_type) server_reply_header(exchange, "Content-Type", "%s", response->media_type);
-    server_reply_header(exchange, "X-Request-Id", "%s", exchange->request_id);
-    server_reply_header(exchange, "X-Content-Type-Options", "nosniff");
-    server_reply_header(exchange, "Content-Security-Policy", CONTENT_SECURITY);
-    server_reply_header(exchange, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
+    if (response->media_type) add_header(response, "Content-Type", response->media_type);
+    add_header(response, "X-Request-Id", exchange->request_id);
+    add_header(response, "X-Content-Type-Options", "nosniff");
+    add_header(response, "Content-Security-Policy", CONTENT_SECURITY);
+    add_header(response, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
 }

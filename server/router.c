@@ -2,7 +2,6 @@
 #include "server/router.h"
 
 #include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "server/framing.h"
@@ -15,6 +14,15 @@
 #define INLINE_BODY_LIMIT     8192 /* larger JSON takes longer to parse than the HTTP thread may be kept */
 #define REQUEST_ID_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
 
+/* Writes the hexadecimal digits of the value; returns their end. */
+static char *print_hex(uint64_t value, char *at)
+{
+    int digits = 1;
+    while (digits < 16 && value >> 4 * digits) digits++;
+    for (int digit = digits - 1; digit >= 0; digit--) *at++ = "0123456789abcdef"[value >> 4 * digit & 15];
+    return at;
+}
+
 /* Echoes the client's X-Request-Id, or makes one that no other request of this process has. */
 static void identify(struct server_exchange *exchange)
 {
@@ -25,8 +33,9 @@ static void identify(struct server_exchange *exchange)
         strcpy(exchange->request_id, given);
         return;
     }
-    snprintf(exchange->request_id, sizeof exchange->request_id, "%llx-%llx", (unsigned long long)exchange->started_ns,
-             (unsigned long long)atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed));
+    char *at = print_hex(exchange->started_ns, exchange->request_id);
+    *at++ = '-';
+    *print_hex(atomic_fetch_add_explicit(&serial, 1, memory_order_relaxed), at) = '\0';
 }
 
 static bool admit(struct server_exchange *exchange, struct proto_problem *problem)

@@ -187,6 +187,17 @@ void server_workers_submit_background(struct server_workers *workers, struct ser
     if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
 }
 
+bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job **place = &workers->background;
+    while (*place && *place != job) place = &(*place)->next;
+    bool is_found = *place != NULL;
+    if (is_found) *place = job->next;
+    pthread_mutex_unlock(&workers->lock);
+    return is_found;
+}
+
 void server_workers_yield(struct server_workers *workers)
 {
     pthread_mutex_lock(&workers->lock);

@@ -33,6 +33,10 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
 /* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
 
+/* Takes a background job back that was not begun: it is the caller's again. False: it runs, or ran, or was refused. The caller sees to it that the job
+ * is still there to be asked about. */
+bool server_workers_withdraw(struct server_workers *workers, struct server_job *job);
+
 /* To be called by a background job while it runs: runs the jobs that no other thread is free for. */
 void server_workers_yield(struct server_workers *workers);
 

@@ -1,5 +1,5 @@
 /* Bare: what libmicrohttpd does without us. Answers every request with the same body, whatever it asks for, with the daemon's
- * flags and number of threads; the daemon's requests a second are measured against its own (http.py).
+ * flags and number of threads; the daemon's requests a second are measured against its own (throughput.py).
  *
  * usage: gd_http_bare THREADS BYTES
  *
@@ -32,8 +32,8 @@ static struct MHD_Daemon *start(unsigned threads, struct MHD_Response *response)
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
     struct sockaddr_in address = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
     return MHD_start_daemon(flags, 0, NULL, NULL, on_request, response, MHD_OPTION_SOCK_ADDR, &address,
-                            MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-                            (size_t)(128 * 1024), MHD_OPTION_CONNECTION_TIMEOUT, 30u, MHD_OPTION_END);
+                            MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u, MHD_OPTION_CONNECTION_TIMEOUT, 30u,
+                            MHD_OPTION_END);
 }
 
 static struct MHD_Response *make_response(size_t bytes)

@@ -55,7 +55,7 @@ static inline struct gd_field *new_field(const struct gd_mesh *mesh, const struc
 
 struct test_job {
     struct server_job job; /* first */
-    sem_t done;
+    sem_t began, done;
     sem_t *hold; /* run waits for it; NULL: it doesn't */
     int runs;
     int refusals;
@@ -65,6 +65,7 @@ struct test_job {
 static inline void test_job_run(struct server_job *job)
 {
     struct test_job *test = (struct test_job *)job;
+    sem_post(&test->began);
     if (test->hold) sem_wait(test->hold);
     test->runs++;
     sem_post(&test->done);
@@ -82,6 +83,7 @@ static inline void test_job_init(struct test_job *job, sem_t *hold)
 {
     *job = (struct test_job){.job = {.run = test_job_run, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX},
                              .hold = hold};
+    sem_init(&job->began, 0, 0);
     sem_init(&job->done, 0, 0);
 }
 

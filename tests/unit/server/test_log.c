@@ -2,6 +2,9 @@
 
 #include <jansson.h>
 #include <stdio.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "server/log.h"
 
@@ -66,12 +69,98 @@ static void knows_its_level(void **state)
     assert_true(server_log_begin(&line, SERVER_LOG_DEBUG, "test"));
 }
 
+/* --- standard error, which is a file for once --------------------------------------------------------------------- */
+
+struct capture {
+    FILE *file;
+    int kept;
+};
+
+static int begin_capture(void **state)
+{
+    static struct capture capture;
+    capture = (struct capture){tmpfile(), dup(STDERR_FILENO)};
+    *state = &capture;
+    server_log_set_level(SERVER_LOG_INFO);
+    return capture.file && dup2(fileno(capture.file), STDERR_FILENO) >= 0 ? 0 : -1;
+}
+
+static int end_capture(void **state)
+{
+    struct capture *capture = *state;
+    dup2(capture->kept, STDERR_FILENO);
+    close(capture->kept);
+    return fclose(capture->file);
+}
+
+/* The events of the lines that are written, in their order, as "a b ". */
+static void assert_written(const struct capture *capture, const char *events)
+{
+    char text[4096], found[256] = "";
+    ssize_t size = pread(fileno(capture->file), text, sizeof text - 1, 0);
+    assert_true(size >= 0);
+    text[size] = '\0';
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
+        json_t *document = json_loads(line, JSON_REJECT_DUPLICATES, NULL);
+        assert_non_null(document);
+        strcat(strcat(found, json_string_value(json_object_get(document, "event"))), " ");
+        json_decref(document);
+    }
+    assert_string_equal(found, events);
+}
+
+static void say(const char *event, void (*end)(struct server_log_line *line))
+{
+    struct server_log_line line;
+    assert_true(server_log_begin(&line, SERVER_LOG_INFO, event));
+    end(&line);
+}
+
+static void keeps_the_order_of_lines(void **state)
+{
+    server_log_start();
+    say("a", server_log_end_soon);
+    say("b", server_log_end_soon);
+    say("c", server_log_end);
+    assert_written(*state, "a b c ");
+    say("d", server_log_end_soon);
+    server_log_stop();
+    assert_written(*state, "a b c d ");
+    say("e", server_log_end_soon);
+    assert_written(*state, "a b c d e ");
+}
+
+static void writes_soon_what_it_gathers(void **state)
+{
+    const struct timespec while_gathering = {.tv_nsec = 200000000};
+    server_log_start();
+    say("a", server_log_end_soon);
+    nanosleep(&while_gathering, NULL);
+    assert_written(*state, "a ");
+    server_log_stop();
+}
+
+static void loses_nothing_when_full(void **state)
+{
+    struct capture *capture = *state;
+    struct stat status;
+    server_log_start();
+    for (int i = 0; i < 10000; i++) say("many", server_log_end_soon);
+    server_log_stop();
+    assert_int_equal(fstat(fileno(capture->file), &status), 0);
+    assert_int_equal(status.st_size,
+                     10000 * strlen("{\"time\":\"2026-01-01T00:00:00.000Z\",\"level\":\"info\",\"event\":\"many\"}\n"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(is_json_whatever_is_in_it),
         cmocka_unit_test(is_json_however_long),
         cmocka_unit_test(knows_its_level),
+        cmocka_unit_test_setup_teardown(keeps_the_order_of_lines, begin_capture, end_capture),
+        cmocka_unit_test_setup_teardown(writes_soon_what_it_gathers, begin_capture, end_capture),
+        cmocka_unit_test_setup_teardown(loses_nothing_when_full, begin_capture, end_capture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

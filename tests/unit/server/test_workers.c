@@ -28,7 +28,7 @@ static struct server_workers *busy_workers(struct test_job *first, sem_t *hold, 
     sem_init(hold, 0, 0);
     test_job_init(first, hold);
     assert_true(server_workers_submit(workers, &first->job));
-    while (server_workers_load(workers).running == 0) continue;
+    sem_wait(&first->began); /* it counts as running before, but could still be refused */
     return workers;
 }
 
@@ -197,6 +197,27 @@ static void the_background_can_be_refused(void **state)
     server_workers_destroy(workers);
 }
 
+/* A background job that was not begun can be had back, once. */
+static void the_background_can_be_withdrawn(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first, background[2];
+    struct server_workers *workers = busy_workers(&first, &hold, 10);
+    for (int i = 0; i < 2; i++) {
+        test_job_init(&background[i], NULL);
+        server_workers_submit_background(workers, &background[i].job);
+    }
+    assert_true(server_workers_withdraw(workers, &background[0].job));
+    assert_false(server_workers_withdraw(workers, &background[0].job));
+    assert_false(server_workers_withdraw(workers, &first.job));
+    sem_post(&hold);
+    sem_wait(&background[1].done);
+    server_workers_destroy(workers);
+    assert_int_equal(background[0].runs + background[0].refusals, 0);
+    assert_int_equal(background[1].runs, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -208,6 +229,7 @@ int main(void)
         cmocka_unit_test(the_background_waits_for_an_empty_queue),
         cmocka_unit_test(the_background_runs_what_no_other_thread_is_free_for),
         cmocka_unit_test(the_background_can_be_refused),
+        cmocka_unit_test(the_background_can_be_withdrawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
