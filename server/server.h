@@ -1,13 +1,14 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, budget, workspaces, workers, cache, loads, store and
- * registry, field store, landmarks, metrics, timekeeper, keeper, http. Workspaces, workers, cache, loads, landmarks and
- * timekeeper have a lock each, the registry two; the only ones held together are the registry's writer lock, its slots'
- * lock and the cache's, in that order. Budget and metrics are atomic.
+ * DESIGN. Order of parts, each knowing only those before it: config, budget, workspaces, workers, cache, loads, metrics, store
+ * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, events, jobs, timekeeper,
+ * keeper, http. Workspaces, workers, cache, loads, landmarks, events, jobs and timekeeper have a lock each, the registry two; the only ones held
+ * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
+ * Budget and metrics are atomic.
  *
  * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
- * cancelled -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are persisted -> the
- * parts are destroyed in reverse order. */
+ * cancelled -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are persisted, within ten
+ * seconds -> the parts are destroyed. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
