@@ -124,7 +124,8 @@ static bool drop_oldest(struct server_jobs *jobs)
 static bool is_expired(const struct server_jobs *jobs, const struct server_async *job, uint64_t now_ns)
 {
     uint64_t ttl_ns = jobs->server->config.job_ttl_s * UINT64_C(1000000000);
-    return proto_job_has_ended(job->state) && now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
+    return proto_job_has_ended(job->state) &&
+           now_ns >= job->ended_ns + ttl_ns; /* a job may end after `now_ns` was read */
 }
 
 static void end(struct server_async *job, enum proto_job_state state)
