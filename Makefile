@@ -75,12 +75,13 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 test: setup ## set up and run all tests
-	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal
+	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@$(MAKE) --no-print-directory check-layers
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
+	    "tests/bench/throughput.py --quick --build $(BUILD)" \
 	    tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 test-unit: test-build ## the C tests only

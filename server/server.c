@@ -58,7 +58,10 @@ static bool create_registry(struct server *server, char *error, size_t error_siz
     server->registry = server_registry_create(store, &server->budget);
     if (!server->registry || config->store == SERVER_STORE_KIND_MEMORY) return server->registry != NULL;
     server->fields = server_field_store_open(config->data_dir, &server->budget);
-    if (server->fields) server_field_store_follow(server->fields, server->registry);
+    if (server->fields)
+        server_field_store_follow(server->fields, server->registry);
+    else
+        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s", config->data_dir);
     return server->fields != NULL;
 }
 

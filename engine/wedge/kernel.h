@@ -34,8 +34,8 @@ struct gd__kernel {
     bool (*store)(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,
                   struct gd__wedges to);
 
-    /* Casts windows across the face of their side: offers distances to its apex and appends their children on the two other edges, joining
-     * neighbours that see one source if `coalesce`. Both lists have room for as many. */
+    /* Casts windows across the face of their side: offers straight ways to its apex, notes which windows pass beside it, and appends their children on
+     * the two other edges, joining neighbours that see one source if `coalesce`. Both lists have room for as many. */
     void (*cast)(const struct gd_side *side, const struct gd__windows *windows, uint32_t count, bool coalesce,
                  struct gd__apex *apex, struct gd__children *left, struct gd__children *right);
 };

@@ -149,7 +149,6 @@ class Values(Fields):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.faces = {}
         meshes = {
             "grid": sample("grid", columns=12, rows=12),
             "box": sample("box", cells=3),
@@ -157,10 +156,7 @@ class Values(Fields):
             "torus": sample("torus"),
             "apart": b"v 9 9 9\n" + TWO_TRIANGLES.replace(b"f 1 2 3\nf 4 5 6", b"f 2 3 4\nf 5 6 7"),
         }
-        for name, body in meshes.items():
-            answer = cls.daemon.put(name, body)
-            assert answer.status == 201, answer
-            cls.faces[name] = answer.json["faces"]
+        cls.faces = {name: mesh["faces"] for name, mesh in cls.put_all(meshes).items()}
 
     def evaluate(self, mesh, field, points, options="", **more):
         answer = self.daemon.ask(mesh, f"fields/{field}/evaluate{options}", {"points": points, **more})

@@ -22,7 +22,6 @@ class Sets(TestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.faces = {}
         meshes = {
             "square": SQUARE,
             "apart": TWO_TRIANGLES,
@@ -31,10 +30,7 @@ class Sets(TestCase):
             "terrain": sample("terrain", cells=10, amplitude=1),
             "torus": sample("torus"),
         }
-        for name, body in meshes.items():
-            answer = cls.daemon.put(name, body)
-            assert answer.status == 201, answer
-            cls.faces[name] = answer.json["faces"]
+        cls.faces = {name: mesh["faces"] for name, mesh in cls.put_all(meshes).items()}
 
     def results(self, mesh, members, points, options="", **more):
         answer = self.daemon.ask(mesh, f"distance-to-set{options}", {"set": {"points": members}, "points": points, **more})

@@ -26,7 +26,6 @@ class Voronoi(TestCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.meshes = {}
         meshes = {
             "square": SQUARE,
             "tetrahedron": TETRAHEDRON,
@@ -36,10 +35,7 @@ class Voronoi(TestCase):
             "terrain": sample("terrain", cells=24, amplitude=1),
             "torus": sample("torus"),
         }
-        for name, body in meshes.items():
-            answer = cls.daemon.put(name, body)
-            assert answer.status == 201, answer
-            cls.meshes[name] = answer.json
+        cls.meshes = cls.put_all(meshes)
 
     def ask(self, mesh, query, document, status=200):
         answer = self.daemon.ask(mesh, query, document)

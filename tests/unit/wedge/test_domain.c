@@ -153,8 +153,32 @@ static void limits(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* A budget that does for one wavefront but not for both: one does it after all, as if it had been asked at once. */
+static void one_does_what_two_cannot(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_torus(40, 320, 2, 0.7, &polygons), NULL); /* long faces: many wedges an edge */
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons, &(struct rng){3})), .offset = 0.25};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    uint32_t turns = 0;
+    struct gd_executor executor = {.width = 2, .run = run_backwards, .user = &turns};
+    struct gd_field *one = build(mesh, seed.point, NULL, NULL), *two = NULL;
+    struct gd_control enough = {.budget_bytes = gd_field_memsize(one) * 5 / 4};
+    assert_true(enough.budget_bytes > 1000 * (size_t)mesh->edge_count);
+    check_ok(gd_field_build(mesh, &request, &enough, &executor, &two, NULL), NULL);
+    assert_true(turns > 0);
+    check_same_bits(one, two);
+    gd_field_release(one);
+    gd_field_release(two);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(one_and_two), cmocka_unit_test(limits)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(one_and_two), cmocka_unit_test(limits),
+                                       cmocka_unit_test(one_does_what_two_cannot)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
