@@ -1,6 +1,7 @@
 """Landmarks: answers are the same with them; they come in idle time, outlive a restart, go for room and with their mesh."""
 import pathlib
 import random
+import re
 import time
 import unittest
 
@@ -124,6 +125,27 @@ class Life(TestCase):
         self.wait_idle()
         self.assertEqual(self.daemon.metric("landmarks_built_total"), built, "they were built all the same")
         self.assertIn('memory_bytes{class="flight"} 0\n', self.daemon.get("/metrics").body.decode())
+
+
+class Waiting(TestCase):
+    flags = ("--workers", "2")
+
+    def bytes_of_meshes(self):
+        text = self.daemon.get("/metrics").body.decode()
+        return int(re.search(r'memory_bytes\{class="meshes"\} (\d+)', text)[1])
+
+    def test_they_hold_no_mesh_that_is_gone(self):
+        """Landmarks that wait their turn go with their mesh, though those of another keep the background busy all the while."""
+        self.daemon.put("slow", sample("terrain", cells=300, amplitude=1))
+        self.daemon.get("/v1/meshes/slow/distance?from=v:0&to=v:1")
+        self.daemon.wait_for("workers_background")
+        before = self.bytes_of_meshes()
+        for rows in range(40, 48):
+            self.daemon.put("again", sample("grid", columns=60, rows=rows))
+            self.daemon.get("/v1/meshes/again/distance?from=v:0&to=v:9")
+        self.daemon.request("DELETE", "/v1/meshes/again")
+        self.assertEqual(self.bytes_of_meshes(), before)
+        self.assertEqual(self.daemon.metric("workers_background"), 1, "too fast to watch")
 
 
 class Stored(Folder):
