@@ -194,7 +194,7 @@ static void hold_worker(struct test_job *job, sem_t *hold)
     sem_init(hold, 0, 0);
     test_job_init(job, hold);
     assert_true(server_workers_submit(server.workers, &job->job));
-    while (!server_workers_load(server.workers).running) sched_yield();
+    sem_wait(&job->began);
 }
 
 static void pressure_ends_those_that_wait(void **state)
@@ -221,8 +221,9 @@ static void what_is_retired_meanwhile_gets_none(void **state)
     hold_worker(&job, &hold);
     assert_false(has_landmarks(surface));
     assert_int_equal(server_registry_remove(server.registry, "4", &(struct server_precondition){0}), SERVER_STORE_DONE);
+    assert_int_equal(surface->references, 1); /* at once: nothing that waits holds it */
     sem_post(&hold);
-    while (atomic_load(&surface->references) > 1) sched_yield();
+    sem_wait(&job.done);
     assert_false(has_landmarks(surface));
     assert_int_equal(counted(SERVER_BUDGET_LANDMARKS), 0);
     assert_string_equal(stored_file(), "");
