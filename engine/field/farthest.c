@@ -230,6 +230,7 @@ enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_c
                                  double *distance)
 {
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
+    if (field->has_segments) return GD_UNSUPPORTED;
     struct search search = {.field = field, .mesh = field->mesh};
     take_farthest_vertex(&search);
     enum gd_status status = gd_control_check(control, 0);

@@ -3,9 +3,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/segment.h"
+
 /* --- building ------------------------------------------------------------------------------------------------------------ */
 
-static enum gd_status check_request(const struct gd_field_request *request, struct gd_detail *detail)
+static enum gd_status check_request(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                                    struct gd_detail *detail)
 {
     if (!request->seed_count) return gd_fail(detail, GD_INVALID_ARGUMENT, "a field needs at least one source point");
     if (!(request->radius >= 0))
@@ -14,6 +17,13 @@ static enum gd_status check_request(const struct gd_field_request *request, stru
         if (!(request->seeds[i].offset >= 0 && isfinite(request->seeds[i].offset)))
             return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
                            i);
+    for (uint32_t i = 0; i < request->seed_count; i++) {
+        const struct gd_seed *seed = &request->seeds[i];
+        struct gd__home home;
+        if (seed->is_segment && !gd__segment_home(mesh, &seed->point, &seed->end, &home))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "source %u: a segment must join two different points of one face", i);
+    }
     return GD_OK;
 }
 
@@ -24,18 +34,26 @@ static int by_face(const void *a, const void *b)
     return (x->seed > y->seed) - (x->seed < y->seed);
 }
 
-/* Seeds inside faces and on edges, by each face that contains them; those at vertices are found through the vertex. */
+/* The faces that contain a seed inside of them; at most two, GD_NONE fills. */
+static void faces_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t faces[2])
+{
+    struct gd__home home = {GD_NONE, GD_NONE};
+    if (!seed->is_segment && seed->point.kind == GD_POINT_FACE) home.face = seed->point.element;
+    if (!seed->is_segment && seed->point.kind == GD_POINT_EDGE) home.edge = seed->point.element;
+    if (seed->is_segment && !gd__segment_home(mesh, &seed->point, &seed->end, &home)) home.face = GD_NONE;
+    for (uint32_t k = 0; k < 2; k++) faces[k] = home.edge == GD_NONE ? GD_NONE : mesh->side_face[2 * home.edge + k];
+    if (home.face != GD_NONE) faces[0] = home.face;
+}
+
 enum gd_status gd__field_index_seeds(struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
     if (!field->face_seeds) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < field->seed_count; i++) {
-        const struct gd_point *point = &field->seeds[i].point;
-        uint32_t faces[2] = {GD_NONE, GD_NONE};
-        if (point->kind == GD_POINT_FACE) faces[0] = point->element;
-        if (point->kind == GD_POINT_EDGE)
-            for (uint32_t k = 0; k < 2; k++) faces[k] = mesh->side_face[2 * point->element + k];
+        uint32_t faces[2];
+        field->has_segments |= field->seeds[i].is_segment;
+        faces_of_seed(mesh, &field->seeds[i], faces);
         for (int k = 0; k < 2; k++)
             if (faces[k] != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){faces[k], i};
     }
@@ -46,11 +64,16 @@ enum gd_status gd__field_index_seeds(struct gd_field *field)
 static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_request *request)
 {
     field->seed_count = request->seed_count;
-    field->seeds = malloc(sizeof *field->seeds * request->seed_count);
+    field->seeds = calloc(request->seed_count, sizeof *field->seeds);
     if (!field->seeds) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < request->seed_count; i++)
-        field->seeds[i] =
-            (struct gd__seed){.point = request->seeds[i].point, .offset = request->seeds[i].offset / field->mesh->unit};
+    for (uint32_t i = 0; i < request->seed_count; i++) {
+        const struct gd_seed *from = &request->seeds[i];
+        struct gd__seed *seed = &field->seeds[i]; /* its gaps stay zero: they are written to images */
+        seed->point = from->point;
+        seed->offset = from->offset / field->mesh->unit;
+        seed->is_segment = from->is_segment;
+        if (from->is_segment) seed->end = from->end;
+    }
     return gd__field_index_seeds(field);
 }
 
@@ -121,7 +144,7 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
                             const struct gd_control *control, const struct gd_executor *executor, struct gd_field **out,
                             struct gd_detail *detail)
 {
-    enum gd_status status = check_request(request, detail);
+    enum gd_status status = check_request(mesh, request, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
@@ -207,7 +230,7 @@ const struct gd_field_statistics *gd_field_statistics(const struct gd_field *fie
 
 bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out)
 {
-    if (field->seed_count != 1 || field->seeds[0].offset != 0) return false;
+    if (field->seed_count != 1 || field->seeds[0].offset != 0 || field->seeds[0].is_segment) return false;
     *out = field->seeds[0].point;
     return true;
 }

@@ -1,4 +1,5 @@
 #include "field/frame.h"
+#include "mesh/segment.h"
 
 /* The gradient of the distance: the direction of the last leg, from where the leg begins to the point, laid into space with the face. */
 
@@ -30,6 +31,19 @@ static struct direction between(const struct gd_mesh *mesh, uint32_t face, const
     return (struct direction){side, d.x, d.y};
 }
 
+/* At right angles to a segment in the face; nowhere on it. */
+static struct direction from_chord(const struct gd_mesh *mesh, uint32_t face, const struct gd__seed *seed,
+                                   const struct gd_point *point)
+{
+    double weight[3];
+    uint32_t side = mesh->face_side[face][0];
+    struct gd__chord chord = gd__chord(mesh, face, 0, &seed->point, &seed->end);
+    gd__point_weights(mesh, point, face, weight);
+    double height = gd__chord_height(&chord, gd__face_local(mesh, side, weight)), left = height > 0 ? 1 : -1;
+    if (fabs(height) <= GD_TOL_PLACE * mesh->side[side].length) return (struct direction){0};
+    return (struct direction){side, -left * chord.along.y, left * chord.along.x};
+}
+
 /* From the source of a wedge that lies across a side of the leg's face, at (x, -y), or from where the leg bends round the wedge's end. A leg that
  * ends on that side itself has come through the face across. */
 static struct direction through_wedge(const struct gd_mesh *mesh, const struct gd__leg *leg,
@@ -41,7 +55,9 @@ static struct direction through_wedge(const struct gd_mesh *mesh, const struct g
     gd__point_weights(mesh, point, leg->face, weight);
     struct gd__local at =
         gd__face_local(mesh, leg->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
-    double dx = at.x - leg->x, dy = at.y + leg->y, straight = dy > 0 ? leg->x + dx * (leg->y / dy) : at.x;
+    bool linear = gd__source_is_linear(leg->source);
+    double dx = linear ? -leg->x : at.x - leg->x, dy = linear ? leg->y : at.y + leg->y;
+    double straight = dy > 0 ? at.x - dx * (at.y / dy) : at.x;
     if (at.y == 0 && !gd__side_is_boundary(mesh, leg->side ^ 1)) return (struct direction){leg->side ^ 1, -dx, -dy};
     if (fabs(straight - leg->parameter) <= GD_TOL_STRAIGHT * mesh->side[leg->side].length)
         return (struct direction){leg->side, dx, dy};
@@ -70,6 +86,8 @@ static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
     struct gd__birth birth = field->birth[vertex];
     if (birth.side == GD_NONE) return along_edge(field, vertex, birth.source);
     const struct gd_side *s = &field->mesh->side[birth.side];
+    if (birth.source != GD_NONE && gd__source_is_linear(birth.source))
+        return (struct direction){birth.side, -birth.x, birth.y};
     return (struct direction){birth.side, s->left_length * s->left_x - birth.x, s->left_length * s->left_y + birth.y};
 }
 
@@ -78,7 +96,9 @@ static struct direction of_leg(const struct gd_field *field, const struct gd__le
     if (point->kind == GD_POINT_VERTEX) return at_vertex(field, point->element);
     if (leg->kind == GD__LEG_WEDGE) return through_wedge(field->mesh, leg, point);
     struct gd_point corner = {.kind = GD_POINT_VERTEX, .element = leg->from};
-    return between(field->mesh, leg->face, leg->kind == GD__LEG_SEED ? &field->seeds[leg->from].point : &corner, point);
+    const struct gd__seed *seed = leg->kind == GD__LEG_SEED ? &field->seeds[leg->from] : NULL;
+    if (seed && seed->is_segment) return from_chord(field->mesh, leg->face, seed, point);
+    return between(field->mesh, leg->face, seed ? &seed->point : &corner, point);
 }
 
 enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_point *point, struct gd_vec3 *out)

@@ -3,13 +3,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/segment.h"
 #include "mesh/stamp.h"
 
 /* An image: a header that begins with the stamp, then the field's arrays as they are in memory, each at a multiple of 8 bytes, in the order of struct
  * layout below. */
 
 static const char magic[8] = "GDFIELD";
-static const uint32_t version = 2;
+static const uint32_t version = 3;
 
 struct header {
     struct gd__stamp stamp;
@@ -96,7 +97,9 @@ static enum gd_status check_header(const struct gd_mesh *mesh, const struct head
 static bool is_source(const struct gd_field *field, uint32_t source)
 {
     if (source < field->mesh->vertex_count) return field->distance[source] < GD__FAR;
-    return source == GD_NONE || source - field->mesh->vertex_count < field->seed_count;
+    if (source == GD_NONE) return true;
+    uint32_t seed = gd__field_seed_of(field, source);
+    return seed < field->seed_count && field->seeds[seed].is_segment == gd__source_is_linear(source);
 }
 
 static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
@@ -112,6 +115,16 @@ static bool is_point(const struct gd_mesh *mesh, const struct gd_point *point)
     return false;
 }
 
+static bool is_seed(const struct gd_mesh *mesh, const struct gd__seed *seed)
+{
+    struct gd__home home;
+    if (!is_point(mesh, &seed->point)) return false;
+    unsigned char flag; /* any byte may stand where a bool should */
+    memcpy(&flag, &seed->is_segment, 1);
+    if (flag > 1) return false;
+    return !flag || (is_point(mesh, &seed->end) && gd__segment_home(mesh, &seed->point, &seed->end, &home));
+}
+
 /* A vertex that was reached from its face knows a side with a face; one that was reached along an edge is next to its source.
  * Only one that was not reached knows neither. */
 static bool is_birth(const struct gd_field *field, uint32_t vertex)
@@ -123,7 +136,8 @@ static bool is_birth(const struct gd_field *field, uint32_t vertex)
         return birth->side < 2 * mesh->edge_count && !gd__side_is_boundary(mesh, birth->side) &&
                gd__side_apex(mesh, birth->side) == vertex;
     if (birth->source == GD_NONE) return field->distance[vertex] >= GD__FAR;
-    return birth->source >= mesh->vertex_count || gd__side_between(mesh, vertex, birth->source) != GD_NONE;
+    if (birth->source >= mesh->vertex_count) return !gd__source_is_linear(birth->source);
+    return gd__side_between(mesh, vertex, birth->source) != GD_NONE;
 }
 
 /* A chunk that lies within the wedges and whose sources exist; takes its bytes from *left. */
@@ -155,7 +169,7 @@ static bool are_indices_sound(const struct gd_field *field)
 {
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t i = 0; i < field->seed_count; i++)
-        if (!is_point(mesh, &field->seeds[i].point)) return false;
+        if (!is_seed(mesh, &field->seeds[i])) return false;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
         if (!is_birth(field, v)) return false;
     return are_chains_sound(field);

@@ -278,6 +278,7 @@ enum gd_status gd_isoline_trace(const struct gd_field *field, double level, cons
                                 struct gd_isoline *out)
 {
     if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
+    if (field->has_segments) return GD_UNSUPPORTED;
     struct tracer tracer = {
         .field = field, .mesh = field->mesh, .level = level / field->mesh->unit, .pace = {.control = control}};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;

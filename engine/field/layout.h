@@ -10,7 +10,7 @@
 #include "mesh/local.h"
 #include "wedge/wavefront.h"
 
-/* A seed that is not at a vertex, by a face that contains it. */
+/* A seed that is not at a vertex, by a face that contains it, a segment along an edge by both of the edge's. */
 struct gd__face_seed {
     uint32_t face, seed;
 };
@@ -27,6 +27,7 @@ struct gd_field {
     struct gd__kept kept; /* their memory; empty for an image */
     struct gd__seed *seeds;
     uint32_t seed_count;
+    bool has_segments;                /* among the seeds */
     struct gd__face_seed *face_seeds; /* sorted by face */
     uint32_t face_seed_count;
     size_t bytes;
@@ -36,10 +37,26 @@ struct gd_field {
     bool is_image; /* the arrays lie in an image and are not the field's to free */
 };
 
+/* Number of the seed that a pseudo-source is, which is no vertex. */
+static inline uint32_t gd__field_seed_of(const struct gd_field *field, uint32_t source)
+{
+    return (source & ~GD__SOURCE_LINEAR) - field->mesh->vertex_count;
+}
+
+/* Distance of a pseudo-source. */
 static inline double gd__field_sigma(const struct gd_field *field, uint32_t source)
 {
     uint32_t vertices = field->mesh->vertex_count;
-    return source < vertices ? field->distance[source] : field->seeds[source - vertices].offset;
+    return source < vertices ? field->distance[source] : field->seeds[gd__field_seed_of(field, source)].offset;
+}
+
+/* Window `i` of a chunk, in the frame of side 0, with its sigma; a gap has source GD_NONE and none. */
+static inline struct gd__window gd__field_window(const struct gd_field *field, const struct gd__chunk *chunk,
+                                                 uint32_t i, double length)
+{
+    struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+    if (w.source != GD_NONE && !gd__window_is_linear(&w)) w.sigma = gd__field_sigma(field, w.source);
+    return w;
 }
 
 /* The chunk at an offset that is not GD_NONE. */
@@ -67,7 +84,7 @@ const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uin
 enum gd__leg_kind {
     GD__LEG_NONE,   /* no path */
     GD__LEG_VERTEX, /* straight from a vertex of the face (or it is that vertex) */
-    GD__LEG_SEED,   /* straight from a seed in the face */
+    GD__LEG_SEED,   /* straight from a seed in the face, at right angles from a segment */
     GD__LEG_WEDGE   /* across `side` at `parameter` */
 };
 
@@ -76,7 +93,9 @@ struct gd__leg {
     enum gd__leg_kind kind;
     uint32_t face; /* in which the leg ends */
     uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED: the seed */
-    uint32_t side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0 */
+    uint32_t
+        side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0, or, of a linear one, the direction
+                      towards it */
     double parameter, x, y;
     uint32_t
         source; /* the wedge's. A leg clamped to the wedge's end bends at `parameter` and goes on to the same source */
@@ -101,11 +120,5 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 
 /* The leg by which the best way ends. */
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
-
-/* A point in the frame of side k of a face, from its barycentric coordinates by corner. */
-struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3]);
-
-/* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it. */
-void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
 
 #endif

@@ -1,36 +1,11 @@
 #include "field/sight.h"
+#include "mesh/segment.h"
 
 enum { CACHE_LINE = 64 };
 
 /* The distance at a point of a face: the least over the face's corners, the seeds in the face, and the wedges of its edges whose source lies
  * across the edge (a source on the face's own side reaches the point through another edge or through a corner). The search finds which of
  * them it is; the leg is made of that one alone. */
-
-void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3])
-{
-    weight[0] = weight[1] = weight[2] = 0;
-    for (int k = 0; k < 3; k++) {
-        uint32_t side = mesh->face_side[face][k];
-        switch (point->kind) {
-        case GD_POINT_VERTEX:
-            if (mesh->origin[side] == point->element) weight[k] = 1;
-            break;
-        case GD_POINT_EDGE:
-            if (side >> 1 != point->element) break;
-            weight[k] = side & 1 ? point->weight[0] : 1 - point->weight[0];
-            weight[(k + 1) % 3] = side & 1 ? 1 - point->weight[0] : point->weight[0];
-            break;
-        case GD_POINT_FACE:
-            weight[k] = point->weight[k];
-            break;
-        }
-    }
-}
-
-struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3])
-{
-    return gd__side_local(&mesh->side[side], weight[1], weight[2]);
-}
 
 /* --- sights -------------------------------------------------------------------------------------------------------------- */
 
@@ -129,16 +104,28 @@ static inline bool seed_takes_tie(const struct gd__way *best, double distance)
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
 }
 
+/* How far a place, in the frame of the face's side 0, is from a seed in the face; infinite where a segment does not lie at right angles to it. */
+static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t face,
+                               struct gd__local at)
+{
+    if (seed->is_segment) {
+        struct gd__chord chord = gd__chord(mesh, face, 0, &seed->point, &seed->end);
+        double foot = gd__chord_foot(&chord, at);
+        return foot >= 0 && foot <= chord.length ? fabs(gd__chord_height(&chord, at)) : GD__FAR;
+    }
+    double weight[3];
+    gd__point_weights(mesh, &seed->point, face, weight);
+    struct gd__local place = gd__face_local(mesh, mesh->face_side[face][0], weight);
+    double dx = at.x - place.x, dy = at.y - place.y;
+    return sqrt(dx * dx + dy * dy);
+}
+
 static void try_seeds(const struct gd_field *field, uint32_t face, struct gd__local at, struct gd__way *best)
 {
-    const struct gd_mesh *mesh = field->mesh;
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++) {
-        double weight[3];
-        gd__point_weights(mesh, &field->seeds[f->seed].point, face, weight);
-        struct gd__local seed = gd__face_local(mesh, mesh->face_side[face][0], weight);
-        double dx = at.x - seed.x, dy = at.y - seed.y,
-               distance = field->seeds[f->seed].offset + sqrt(dx * dx + dy * dy);
+        const struct gd__seed *seed = &field->seeds[f->seed];
+        double distance = seed->offset + distance_of_seed(field->mesh, seed, face, at);
         if (distance < best->distance || seed_takes_tie(best, distance)) {
             best->distance = distance;
             best->kind = GD__LEG_SEED;
@@ -155,7 +142,7 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
     prefetch_wedges(field, &view);
     if (field->face_seed_count) try_seeds(field, face, view.at[0], &best);
-    gd__sight_kernel *kernel = gd__sight_kernel_in_use();
+    gd__sight_kernel *kernel = gd__sight_kernel_in_use(field->has_segments);
     struct gd__sight sights[SIGHTS];
     struct cursor cursor = {0, view.newest[0]};
     for (uint32_t passed = 0; cursor.k < 3;) {
@@ -212,12 +199,13 @@ void gd__field_way(const struct gd_field *field, const struct gd_point *point, s
 static void complete_wedge(const struct gd__sight *sight, uint32_t wedge, struct gd__leg *leg)
 {
     struct gd__wedges wedges = gd__chunk_wedges(sight->chunk);
-    double x = wedges.x[wedge];
+    struct gd__window w = gd__wedge_window(wedges, sight->chunk->count, wedge, sight->length);
+    if (sight->side & 1) w = gd__window_mirrored(&w, sight->length);
     leg->side = sight->side;
-    leg->source = gd__wedge_source(wedges.start[wedge]);
-    leg->x = sight->side & 1 ? sight->length - x : x;
-    leg->y = fabs(wedges.y[wedge]);
-    leg->parameter = gd__sight_crossing(sight, wedge, leg->x, leg->y);
+    leg->source = w.source;
+    leg->x = w.x;
+    leg->y = w.y;
+    leg->parameter = gd__sight_crossing(sight, &w);
 }
 
 /* Finds the wedge at its place again. */

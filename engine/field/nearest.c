@@ -32,7 +32,7 @@ static enum gd_status walk_to_seed(const struct gd_field *field, uint32_t source
         source = gd__field_source_behind(field, source);
     }
     if (source == GD_NONE) return GD_INTERNAL;
-    *seed = source - vertices;
+    *seed = gd__field_seed_of(field, source);
     return GD_OK;
 }
 

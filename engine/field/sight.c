@@ -2,26 +2,27 @@
 
 #include "wedge/kernel.h"
 
-gd__sight_kernel *gd__sight_kernel_in_use(void)
+gd__sight_kernel *gd__sight_kernel_in_use(bool linear)
 {
     const struct gd__kernel *in_use = gd__kernel_in_use();
 #if defined(__x86_64__)
-    if (in_use == &gd__kernel_avx512) return gd__sight_avx512;
-    if (in_use == &gd__kernel_avx2) return gd__sight_avx2;
+    if (in_use == &gd__kernel_avx512) return linear ? gd__sight_avx512_linear : gd__sight_avx512;
+    if (in_use == &gd__kernel_avx2) return linear ? gd__sight_avx2_linear : gd__sight_avx2;
 #endif
     (void)in_use;
-    return gd__sight_plain;
+    return linear ? gd__sight_plain_linear : gd__sight_plain;
 }
 
-double gd__sight_crossing(const struct gd__sight *sight, uint32_t wedge, double x, double y)
+static double straight_crossing(const struct gd__sight *sight, const struct gd__window *w)
 {
-    struct gd__wedges wedges = gd__chunk_wedges(sight->chunk);
-    double length = sight->length, unit = length * GD__WEDGE_UNIT;
-    double b0 = gd__wedge_start(wedges.start[wedge]) * unit;
-    double b1 = wedge + 1 < sight->chunk->count ? gd__wedge_start(wedges.start[wedge + 1]) * unit : length;
-    bool mirrored = sight->side & 1;
-    double from = fmax((mirrored ? length - b1 : b0) - 2 * unit, 0),
-           to = fmin((mirrored ? length - b0 : b1) + 2 * unit, length);
-    double dx = sight->x - x, dy = sight->y + y, t = dy > 0 ? x + dx * (y / dy) : sight->x;
+    if (gd__window_is_linear(w)) return sight->x + w->x * (sight->y / w->y);
+    double dx = sight->x - w->x, dy = sight->y + w->y;
+    return dy > 0 ? w->x + dx * (w->y / dy) : sight->x;
+}
+
+double gd__sight_crossing(const struct gd__sight *sight, const struct gd__window *wedge)
+{
+    double length = sight->length, more = gd__window_is_linear(wedge) ? 0 : 2 * length * GD__WEDGE_UNIT;
+    double from = fmax(wedge->b0 - more, 0), to = fmin(wedge->b1 + more, length), t = straight_crossing(sight, wedge);
     return t < from ? from : t > to ? to : t;
 }

@@ -21,20 +21,21 @@ struct gd__seen {
     uint32_t place;
 };
 
-/* The kernel: the shortest way through the sights' wedges, if one is shorter than `known`. A way is straight, or round the wedge's end. */
+/* The kernel: the shortest way through the sights' wedges, if one is shorter than `known`. A way is straight, or round the wedge's end. The linear ones
+ * take linear wedges too. */
 typedef struct gd__seen gd__sight_kernel(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
                                          double known);
 
-extern gd__sight_kernel gd__sight_plain;
+extern gd__sight_kernel gd__sight_plain, gd__sight_plain_linear;
 #if defined(__x86_64__)
-extern gd__sight_kernel gd__sight_avx2, gd__sight_avx512;
+extern gd__sight_kernel gd__sight_avx2, gd__sight_avx2_linear, gd__sight_avx512, gd__sight_avx512_linear;
 #endif
 
-/* The one for the kernels that are in use (wedge/kernel.h). */
-gd__sight_kernel *gd__sight_kernel_in_use(void);
+/* The one for the kernels that are in use (wedge/kernel.h), of a field with or without segments. */
+gd__sight_kernel *gd__sight_kernel_in_use(bool linear);
 
-/* Where the way from the source of a sight's wedge at (x, -y) to the point crosses the edge: on the straight line, or at the wedge's nearer end.
- * Ends are stored to one unit: a crossing within two of them counts as inside, where a neighbour is as short. */
-double gd__sight_crossing(const struct gd__sight *sight, uint32_t wedge, double x, double y);
+/* Where the way through a wedge, a window in the frame of the sight's side, to the point crosses the edge: on the straight line, or at the wedge's nearer
+ * end. Ends are stored to one unit: a crossing within two of them counts as inside, where a neighbour is as short; but not of a linear wedge. */
+double gd__sight_crossing(const struct gd__sight *sight, const struct gd__window *wedge);
 
 #endif

@@ -6,7 +6,7 @@
  * In the frame of the point's side a source is at (x, -y), the point at (px, py). */
 #include "field/sight.h"
 
-/* Distances of the pseudo-sources; infinite of gaps. */
+/* Distances of the pseudo-sources that are points; infinite of gaps. */
 static inline lanes sigmas(const struct gd_field *field, ids source, mask here)
 {
     uint32_t vertices = field->mesh->vertex_count;
@@ -14,46 +14,94 @@ static inline lanes sigmas(const struct gd_field *field, ids source, mask here)
     lanes sigma = gather(vertex, field->distance, source);
     if (bits(vertex) == bits(here)) return sigma;
     enum { STRIDE = sizeof *field->seeds / sizeof field->seeds->offset };
-    mask seed = except(except(here, vertex), ids_eq(source, ids_all(GD_NONE)));
+    mask seed = except(except(here, vertex), ids_top(source));
     lanes offset = gather(seed, &field->seeds->offset, ids_scaled(source, vertices, STRIDE));
     return pick(vertex, sigma, pick(seed, offset, all(GD__FAR)));
 }
 
-/* Distances of the sight's point through the wedges from place `at` on; GD__FAR behind the last. */
-static inline lanes distances(const struct gd_field *field, const struct gd__sight *sight, uint32_t at)
+/* A group of wedges in the frame of the sight's side. */
+struct group {
+    mask here;
+    lanes x, y, b0, b1;
+    ids source;
+};
+
+static inline struct group load_group(const struct gd__sight *sight, uint32_t at)
 {
     struct gd__wedges wedges = gd__chunk_wedges(sight->chunk);
     uint32_t count = sight->chunk->count - at;
-    mask here = first_lanes(count);
-    lanes x = load_first(wedges.x + at, count), y = magnitude(load_first(wedges.y + at, count));
+    struct group g;
     lanes unit = all(sight->length * GD__WEDGE_UNIT), length = all(sight->length);
     lanes next = pick(first_lanes(count - 1), starts_first(wedges.start + at + 1, count - 1), all(GD__WEDGE_UNITS));
-    lanes b0 = starts_first(wedges.start + at, count) * unit, b1 = next * unit;
+    g.here = first_lanes(count);
+    g.x = load_first(wedges.x + at, count);
+    g.y = magnitude(load_first(wedges.y + at, count));
+    g.b0 = starts_first(wedges.start + at, count) * unit;
+    g.b1 = next * unit;
+    g.source = sources_first(wedges.start + at, count);
     if (sight->side & 1) {
-        lanes mirrored = length - b1;
-        x = length - x;
-        b1 = length - b0;
-        b0 = mirrored;
+        lanes mirrored = length - g.b1;
+        g.b1 = length - g.b0;
+        g.b0 = mirrored;
     }
-    lanes from = greater(b0 - (unit + unit), all(0)), to = lesser(b1 + (unit + unit), length);
+    return g;
+}
+
+/* Of ways through points' wedges. */
+static inline lanes distances_of_points(const struct gd_field *field, const struct gd__sight *sight,
+                                        const struct group *g)
+{
+    lanes x = g->x, y = g->y;
+    if (sight->side & 1) x = all(sight->length) - x;
+    lanes unit = all(sight->length * GD__WEDGE_UNIT), from = greater(g->b0 - (unit + unit), all(0)),
+          to = lesser(g->b1 + (unit + unit), all(sight->length));
     lanes px = all(sight->x), py = all(sight->y), dx = px - x, dy = py + y;
     lanes straight = pick(lt(all(0), dy), x + dx * (y / dy), px); /* sight.c has the same for one wedge */
     lanes bend = lesser(greater(straight, from), to), ex = bend - x, fx = px - bend;
     mask bends = either(lt(straight, from), lt(to, straight));
     lanes to_bend = pick(bends, ex * ex + y * y, dx * dx + dy * dy), onwards = pick(bends, fx * fx + py * py, all(0));
-    lanes sigma = sigmas(field, sources_first(wedges.start + at, count), here);
-    return pick(here, sigma + root(to_bend) + root(onwards), all(GD__FAR));
+    return sigmas(field, g->source, g->here) + root(to_bend) + root(onwards);
+}
+
+/* Of ways through linear ones: the direction from its half angle's tangent, the distance at the edge's origin. */
+static inline lanes distances_of_lines(const struct gd__sight *sight, const struct group *g)
+{
+    lanes scale = all(1) / (all(1) + g->y * g->y), x = (all(1) - g->y) * (all(1) + g->y) * scale,
+          y = (g->y + g->y) * scale, sigma = g->x;
+    if (sight->side & 1) {
+        sigma = sigma - x * all(sight->length);
+        x = all(0) - x;
+    }
+    lanes px = all(sight->x), py = all(sight->y), straight = px + x * (py / y);
+    lanes bend = lesser(greater(straight, g->b0), g->b1), fx = px - bend;
+    mask bends = either(lt(straight, g->b0), lt(g->b1, straight));
+    return pick(bends, sigma - x * bend + root(fx * fx + py * py), sigma - x * px + y * py);
+}
+
+/* What is compiled once for wedges of points only, and once for linear ones too. */
+#define BOTH_KINDS static inline __attribute__((always_inline))
+
+/* Distances of the sight's point through the wedges from place `at` on; GD__FAR of gaps and behind the last. */
+BOTH_KINDS lanes distances(const struct gd_field *field, const struct gd__sight *sight, uint32_t at, bool linear)
+{
+    struct group g = load_group(sight, at);
+    lanes distance = distances_of_points(field, sight, &g);
+    if (linear) {
+        mask line = except(both(g.here, ids_top(g.source)), ids_eq(g.source, ids_all(GD_NONE)));
+        if (bits(line)) distance = pick(line, distances_of_lines(sight, &g), distance);
+    }
+    return pick(g.here, distance, all(GD__FAR));
 }
 
 /* Nothing here branches on distances: none of it could be foreseen, and so queries overlap. */
-struct gd__seen KERNEL(sight)(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
-                              double known)
+BOTH_KINDS struct gd__seen look(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
+                                double known, bool linear)
 {
     lanes best = all(known), place = all(0);
     uint32_t before = 0;
     for (uint32_t s = 0; s < count; s++) {
         for (uint32_t at = 0; at < sights[s].chunk->count; at += LANES) {
-            lanes distance = distances(field, &sights[s], at);
+            lanes distance = distances(field, &sights[s], at, linear);
             mask better = lt(distance, best);
             best = pick(better, distance, best);
             place = pick(better, all(before + at), place);
@@ -64,4 +112,16 @@ struct gd__seen KERNEL(sight)(const struct gd_field *field, const struct gd__sig
     lanes winners = pick(eq(best, all(least)), place + ordinals(), all(GD__FAR));
     double first = least_of(winners);
     return (struct gd__seen){least, least < known ? (uint32_t)first : GD_NONE};
+}
+
+struct gd__seen KERNEL(sight)(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
+                              double known)
+{
+    return look(field, sights, count, known, false);
+}
+
+struct gd__seen KERNEL_LINEAR(sight)(const struct gd_field *field, const struct gd__sight *sights, uint32_t count,
+                                     double known)
+{
+    return look(field, sights, count, known, true);
 }

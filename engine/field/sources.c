@@ -25,10 +25,10 @@ bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *ch
                         struct gd__window *out)
 {
     double length = field->mesh->side[side].length, more = LENGTHENED * GD__WEDGE_UNIT * length;
-    struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
+    struct gd__window w = gd__field_window(field, chunk, i, length);
     if (w.source == GD_NONE) return false;
     if (side & 1) w = gd__window_mirrored(&w, length);
-    w.sigma = gd__field_sigma(field, w.source);
+    if (gd__window_is_linear(&w)) more = 0;
     w.b0 = fmax(w.b0 - more, 0);
     w.b1 = fmin(w.b1 + more, length);
     *out = w;

@@ -3,6 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/canonical.h"
+#include "mesh/segment.h"
+
 /* Back-tracing: from the point along its last leg to the leg's pseudo-source, and on from there by the births, until a seed is reached. A leg
  * is a straight line through unfolded faces, so one frame at a time suffices: where it crosses the edge, and where the source's image lies. */
 
@@ -20,12 +23,14 @@ struct trace {
 
 /* Where a leg ended. */
 struct stop {
-    enum { STOP_VERTEX, STOP_SEED, STOP_BEND } kind;
+    enum { STOP_VERTEX, STOP_SEED, STOP_BEND, STOP_FAILED } kind;
     uint32_t vertex;       /* STOP_VERTEX */
+    uint32_t seed;         /* STOP_SEED */
     struct gd_point point; /* STOP_BEND: a point of an edge */
 };
 
-/* A ray in the frame of a side of the face it is in: crosses the side at t, its source's image lies across at (x, -y). */
+/* A ray in the frame of a side of the face it is in: crosses the side at t, its source's image lies across at (x, -y), or, of a segment, in that
+ * direction. */
 struct ray {
     uint32_t side, source;
     double t, x, y;
@@ -104,6 +109,17 @@ static struct stop stop_at(struct gd_point point)
     return (struct stop){.kind = STOP_BEND, .point = point};
 }
 
+static struct stop stop_at_seed(uint32_t seed)
+{
+    return (struct stop){.kind = STOP_SEED, .seed = seed};
+}
+
+static struct stop fail(struct trace *trace, enum gd_status status)
+{
+    if (!trace->status) trace->status = status;
+    return (struct stop){.kind = STOP_FAILED};
+}
+
 /* Is the source in the face of `side`, and there at (x, y)? Then the leg ends. */
 static bool arrived(const struct trace *trace, uint32_t side, double x, double y, uint32_t source)
 {
@@ -128,8 +144,36 @@ static struct stop arrive(struct trace *trace, uint32_t face, uint32_t source)
         append_in_face(trace, vertex_point(source), face);
         return (struct stop){.kind = STOP_VERTEX, .vertex = source};
     }
-    append_in_face(trace, trace->field->seeds[source - trace->mesh->vertex_count].point, face);
-    return (struct stop){.kind = STOP_SEED};
+    uint32_t seed = source - trace->mesh->vertex_count;
+    append_in_face(trace, trace->field->seeds[seed].point, face);
+    return stop_at_seed(seed);
+}
+
+/* --- a segment as a leg's source ----------------------------------------------------------------------------------------- */
+
+/* Appends the foot of the perpendicular from the last point, which lies in the segment's face, on the segment. */
+static struct stop arrive_at_chord(struct trace *trace, uint32_t seed, uint32_t face)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    const struct gd__seed *s = &trace->field->seeds[seed];
+    struct gd__chord chord = gd__chord(mesh, face, 0, &s->point, &s->end);
+    double weight[3], from[3], to[3];
+    gd__point_weights(mesh, &trace->path.points[trace->path.count - 1], face, weight);
+    double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) / chord.length;
+    part = part < 0 ? 0 : part > 1 ? 1 : part;
+    gd__point_weights(mesh, &s->point, face, from);
+    gd__point_weights(mesh, &s->end, face, to);
+    for (int k = 0; k < 3; k++) weight[k] = (1 - part) * from[k] + part * to[k];
+    append_in_face(trace, gd__point_of_face(mesh, face, weight), face);
+    return stop_at_seed(seed);
+}
+
+/* Whether a source is a segment that lies along an edge, or across a face. */
+static bool is_along(const struct trace *trace, uint32_t source, uint32_t edge, uint32_t face)
+{
+    struct gd__home home;
+    const struct gd__seed *s = &trace->field->seeds[gd__field_seed_of(trace->field, source)];
+    return gd__segment_home(trace->mesh, &s->point, &s->end, &home) && home.edge == edge && home.face == face;
 }
 
 /* How a ray left a face: by an edge of that length, on a segment of that length, which is measured in the face's frame. */
@@ -137,28 +181,31 @@ struct passage {
     double edge, segment;
 };
 
+/* What is done for a ray to a point and to a segment alike. */
+#define BOTH_KINDS static inline __attribute__((always_inline))
+
 /* The same ray in the face across its side: there its source is above, at (x, y). */
-static inline void enter_face(const struct gd_side *s, struct ray *ray)
+BOTH_KINDS void enter_face(const struct gd_side *s, struct ray *ray, bool linear)
 {
     ray->side ^= 1;
     ray->t = s->length - ray->t;
-    ray->x = s->length - ray->x;
+    ray->x = linear ? -ray->x : s->length - ray->x;
 }
 
 /* A ray that has entered the face of its side becomes one of the side by which it leaves: of the edge to the left, from the origin to the apex,
  * or of the one to the right, from the apex to the destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
-static inline void cross_face(const struct gd_side *s, struct ray *ray, struct passage *passage)
+BOTH_KINDS void cross_face(const struct gd_side *s, struct ray *ray, struct passage *passage, bool linear)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */
-    double t = ray->t, dx = ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx, sy;
+    double t = ray->t, dx = linear ? ray->x : ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx, sy;
     if ((px - t) * dy - py * dx > 0) {
-        ux = s->left_x, uy = s->left_y, rx = ray->x - px, ry = ray->y - py;
+        ux = s->left_x, uy = s->left_y, rx = linear ? dx : ray->x - px, ry = linear ? dy : ray->y - py;
         along = dy * t / (dy * ux - dx * uy);
         sx = along * ux - t, sy = along * uy;
         ray->side = s->left ^ 1;
         passage->edge = s->left_length;
     } else {
-        ux = s->right_x, uy = s->right_y, rx = ray->x - s->length, ry = ray->y;
+        ux = s->right_x, uy = s->right_y, rx = linear ? dx : ray->x - s->length, ry = ray->y;
         along = (dx * py - dy * (px - t)) / (dy * ux - dx * uy);
         sx = px + along * ux - t, sy = py + along * uy;
         ray->side = s->right ^ 1;
@@ -201,7 +248,7 @@ static inline bool may_have_arrived(const struct gd_side *s, double y)
 
 /* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each face it reads one record, which it asks for as
  * soon as the one before is there. */
-static struct stop follow(struct trace *trace, struct ray ray)
+static struct stop follow_to_point(struct trace *trace, struct ray ray)
 {
     const struct gd_mesh *mesh = trace->mesh;
     struct gd_point first = append_end(trace, &ray);
@@ -211,14 +258,39 @@ static struct stop follow(struct trace *trace, struct ray ray)
         struct passage passage;
         __builtin_prefetch(&mesh->side[s->left]);
         __builtin_prefetch(&mesh->side[s->right]);
-        enter_face(s, &ray);
+        enter_face(s, &ray, false);
         if (may_have_arrived(s, ray.y) && arrived(trace, ray.side, ray.x, ray.y, ray.source))
             return arrive(trace, mesh->side_face[ray.side], ray.source);
-        cross_face(s, &ray, &passage);
+        cross_face(s, &ray, &passage, false);
         if (!append_crossing(trace, &ray, &passage)) return stop_at(append_end(trace, &ray));
     }
-    if (!trace->status) trace->status = GD_INTERNAL;
-    return (struct stop){.kind = STOP_SEED};
+    return fail(trace, GD_INTERNAL);
+}
+
+/* The same to a segment, which the ray meets at right angles: on an edge that it comes to, or in a face that it enters. */
+static struct stop follow_to_segment(struct trace *trace, struct ray ray)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    uint32_t seed = gd__field_seed_of(trace->field, ray.source);
+    const struct gd__seed *s = &trace->field->seeds[seed];
+    struct gd__home home;
+    if (!gd__segment_home(mesh, &s->point, &s->end, &home)) return fail(trace, GD_INTERNAL);
+    while (trace->steps_left-- && !trace->status) {
+        const struct gd_side *across = &mesh->side[ray.side ^ 1];
+        struct passage passage;
+        if (ray.side >> 1 == home.edge) return arrive_at_chord(trace, seed, mesh->side_face[ray.side]);
+        struct gd_point at = append_end(trace, &ray);
+        if (at.kind == GD_POINT_VERTEX) return stop_at(at);
+        enter_face(across, &ray, true);
+        if (mesh->side_face[ray.side] == home.face) return arrive_at_chord(trace, seed, home.face);
+        cross_face(across, &ray, &passage, true);
+    }
+    return fail(trace, GD_INTERNAL);
+}
+
+static struct stop follow(struct trace *trace, struct ray ray)
+{
+    return gd__source_is_linear(ray.source) ? follow_to_segment(trace, ray) : follow_to_point(trace, ray);
 }
 
 /* --- from stop to stop --------------------------------------------------------------------------------------------------- */
@@ -230,16 +302,25 @@ static struct stop go_along_edge(struct trace *trace, uint32_t vertex, uint32_t 
         append(trace, vertex_point(source), mesh->side[gd__side_between(mesh, vertex, source)].length);
         return (struct stop){.kind = STOP_VERTEX, .vertex = source};
     }
-    if (source == GD_NONE) { /* the path leads to a vertex that was not reached */
-        trace->status = GD_INTERNAL;
-        return (struct stop){.kind = STOP_SEED};
-    }
+    if (source == GD_NONE) return fail(trace, GD_INTERNAL); /* the path leads to a vertex that was not reached */
     const struct gd_point *seed = &trace->field->seeds[source - mesh->vertex_count].point;
     if (seed->kind == GD_POINT_EDGE) {
         uint32_t side = 2 * seed->element;
         append_in_face(trace, *seed, mesh->side_face[gd__side_is_boundary(mesh, side) ? side ^ 1 : side]);
     }
-    return (struct stop){.kind = STOP_SEED};
+    return stop_at_seed(source - mesh->vertex_count);
+}
+
+/* From a vertex at right angles towards a segment, which may lie in the face that the leg came through. */
+static struct stop go_to_segment(struct trace *trace, struct gd__birth birth)
+{
+    const struct gd_mesh *mesh = trace->mesh;
+    const struct gd_side *s = &mesh->side[birth.side];
+    uint32_t face = mesh->side_face[birth.side];
+    if (is_along(trace, birth.source, GD_NONE, face))
+        return arrive_at_chord(trace, gd__field_seed_of(trace->field, birth.source), face);
+    double t = s->left_length * s->left_x + birth.x * (s->left_length * s->left_y / birth.y);
+    return follow(trace, (struct ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
 }
 
 /* From a vertex by its birth. */
@@ -254,6 +335,7 @@ static struct stop go_from_vertex(struct trace *trace, uint32_t vertex)
         append_in_face(trace, bend, mesh->side_face[birth.side]);
         return stop_at(bend);
     }
+    if (gd__source_is_linear(birth.source)) return go_to_segment(trace, birth);
     if (arrived(trace, birth.side, birth.x, -birth.y, birth.source))
         return arrive(trace, mesh->side_face[birth.side], birth.source);
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, height = birth.y + py;
@@ -269,26 +351,27 @@ static struct stop go_by_leg(struct trace *trace, const struct gd__leg *leg)
         append_in_face(trace, vertex_point(leg->from), leg->face);
         break;
     case GD__LEG_SEED:
+        if (trace->field->seeds[leg->from].is_segment) return arrive_at_chord(trace, leg->from, leg->face);
         append_in_face(trace, trace->field->seeds[leg->from].point, leg->face);
-        return (struct stop){.kind = STOP_SEED};
+        return stop_at_seed(leg->from);
     case GD__LEG_WEDGE:
         return follow(
             trace,
             (struct ray){.side = leg->side, .source = leg->source, .t = leg->parameter, .x = leg->x, .y = leg->y});
     case GD__LEG_NONE:
-        trace->status = GD_INTERNAL;
-        break;
+        return fail(trace, GD_INTERNAL);
     }
     return (struct stop){.kind = STOP_VERTEX, .vertex = leg->from};
 }
 
-static void trace_back(struct trace *trace, const struct gd_point *point, const struct gd__leg *first)
+/* *seed: the one in which the path ends. */
+static void trace_back(struct trace *trace, const struct gd_point *point, const struct gd__leg *first, uint32_t *seed)
 {
     append(trace, *point, 0);
     struct stop stop = point->kind == GD_POINT_VERTEX ? stop_at(*point) : go_by_leg(trace, first);
     while (stop.kind != STOP_SEED && !trace->status) {
         if (!trace->steps_left--) {
-            trace->status = GD_INTERNAL;
+            fail(trace, GD_INTERNAL);
         } else if (stop.kind == STOP_VERTEX) {
             stop = go_from_vertex(trace, stop.vertex);
         } else {
@@ -296,19 +379,7 @@ static void trace_back(struct trace *trace, const struct gd_point *point, const 
             stop = go_by_leg(trace, &leg);
         }
     }
-}
-
-/* Offset of the seed that the path ended in: what the distance has more than the path. */
-static double seed_offset(const struct trace *trace)
-{
-    if (trace->status) return 0;
-    const struct gd_field *field = trace->field;
-    const struct gd_point *last = &trace->path.points[trace->path.count - 1];
-    double least = GD__FAR;
-    for (uint32_t i = 0; i < field->seed_count; i++)
-        if (gd_point_equal(&field->seeds[i].point, last) && field->seeds[i].offset < least)
-            least = field->seeds[i].offset;
-    return least;
+    if (!trace->status) *seed = stop.seed;
 }
 
 /* One attempt; on success the path is the caller's, its length and the distance agree. */
@@ -320,8 +391,9 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
                           .mesh = mesh,
                           .snap = snap,
                           .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
-    trace_back(&trace, point, leg);
-    double offset = seed_offset(&trace), slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
+    uint32_t seed = 0;
+    trace_back(&trace, point, leg, &seed);
+    double offset = field->seeds[seed].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
     if (!trace.status && !(fabs(trace.path.length + offset - leg->distance) <= slack)) trace.status = GD_INTERNAL;
     if (trace.status) {
         gd_path_free(&trace.path);

@@ -205,6 +205,7 @@ enum gd_status gd_voronoi_trace(const struct gd_field *field, double tolerance, 
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
+    if (field->has_segments) return GD_UNSUPPORTED;
     struct tracer tracer = {.diagram = {.field = field, .mesh = field->mesh}, .control = control};
     enum gd_status status = trace(&tracer, tolerance, out);
     close_diagram(&tracer.diagram);

@@ -34,7 +34,7 @@ static enum gd_status push(const struct gd__diagram *diagram, uint32_t edge, str
                            struct gd__voronoi_scratch *scratch)
 {
     uint32_t member = diagram->members.of[w.source];
-    w.sigma = gd__field_sigma(diagram->field, w.source) + diagram->members.nudge[member];
+    w.sigma += diagram->members.nudge[member];
     return gd__stack_push(&scratch->envelope, &w, GD_TOL_WIDTH * diagram->mesh->side[2 * edge].length, &scratch->tail);
 }
 
@@ -65,6 +65,7 @@ static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edg
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face && !status; f++) {
         const struct gd_point *point = &field->seeds[f->seed].point;
         struct gd__window w = {.b1 = length, .x = point->weight[0] * length, .source = mesh->vertex_count + f->seed};
+        w.sigma = field->seeds[f->seed].offset;
         if (point->kind == GD_POINT_EDGE && point->element == edge) status = push(diagram, edge, w, scratch);
     }
     return status;
@@ -76,9 +77,11 @@ static enum gd_status find_envelope(const struct gd__diagram *diagram, uint32_t 
     double length = diagram->mesh->side[2 * edge].length;
     scratch->envelope.count = 0;
     enum gd_status status = push_windows(diagram, edge, scratch);
-    for (int k = 0; k < 2 && !status; k++)
-        status = push(diagram, edge,
-                      (struct gd__window){.b1 = length, .x = k * length, .source = end_of(diagram, edge, k)}, scratch);
+    for (int k = 0; k < 2 && !status; k++) {
+        struct gd__window w = {.b1 = length, .x = k * length, .source = end_of(diagram, edge, k)};
+        w.sigma = gd__field_sigma(diagram->field, w.source);
+        status = push(diagram, edge, w, scratch);
+    }
     return status ? status : push_seeds(diagram, edge, scratch);
 }
 

@@ -27,10 +27,8 @@ static enum gd_status merge_chunk(const struct gd_field *field, const struct gd_
     if (status) return status;
     m->chunk.count = m->merged.count = 0;
     for (uint32_t i = 0; i < chunk->count; i++) {
-        struct gd__window w = gd__wedge_window(gd__chunk_wedges(chunk), chunk->count, i, length);
-        if (w.source == GD_NONE) continue;
-        w.sigma = gd__field_sigma(field, w.source);
-        m->chunk.windows[m->chunk.count++] = w;
+        struct gd__window w = gd__field_window(field, chunk, i, length);
+        if (w.source != GD_NONE) m->chunk.windows[m->chunk.count++] = w;
     }
     gd__merge(m->list.windows, m->list.count, m->chunk.windows, m->chunk.count, ROUNDED * length, &m->merged);
     struct gd__stack swap = m->list;
@@ -69,18 +67,23 @@ static enum gd_status merge_edge(const struct gd_field *field, uint32_t edge, st
 }
 
 /* A wedge in the caller's terms: parameters from the edge's lower-numbered vertex, in the caller's unit. */
-static struct gd_wedge export_wedge(const struct gd_mesh *mesh, double length, struct gd__window w, bool reversed)
+static struct gd_wedge export_wedge(const struct gd_field *field, double length, struct gd__window w, bool reversed)
 {
+    const struct gd_mesh *mesh = field->mesh;
     if (reversed) w = gd__window_mirrored(&w, length);
     bool at_vertex = w.source < mesh->vertex_count, left = w.tags & GD__WINDOW_FAR_SIDE; /* of the edge as stored */
+    double sigma = gd__field_sigma(field, w.source);
+    w.sigma -= sigma; /* of a linear one what is left is the line's */
     return (struct gd_wedge){.b0 = w.b0 * mesh->unit,
                              .b1 = w.b1 * mesh->unit,
-                             .d0 = sqrt((w.b0 - w.x) * (w.b0 - w.x) + w.y * w.y) * mesh->unit,
-                             .d1 = sqrt((w.b1 - w.x) * (w.b1 - w.x) + w.y * w.y) * mesh->unit,
-                             .sigma = w.sigma * mesh->unit,
+                             .d0 = gd__window_distance(&w, w.b0) * mesh->unit,
+                             .d1 = gd__window_distance(&w, w.b1) * mesh->unit,
+                             .sigma = sigma * mesh->unit,
                              .tau = left != reversed,
+                             .linear = gd__window_is_linear(&w),
                              .at_vertex = at_vertex,
-                             .source = at_vertex ? mesh->index_of_vertex[w.source] : w.source - mesh->vertex_count};
+                             .source =
+                                 at_vertex ? mesh->index_of_vertex[w.source] : gd__field_seed_of(field, w.source)};
 }
 
 static enum gd_status export_edge(const struct gd_field *field, uint32_t edge, const struct gd__stack *list,
@@ -92,7 +95,7 @@ static enum gd_status export_edge(const struct gd_field *field, uint32_t edge, c
     if (!wedges) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < list->count; i++)
         wedges[reversed ? list->count - 1 - i : i] =
-            export_wedge(mesh, mesh->side[2 * edge].length, list->windows[i], reversed);
+            export_wedge(field, mesh->side[2 * edge].length, list->windows[i], reversed);
     *out = wedges;
     *count = list->count;
     return GD_OK;

@@ -15,4 +15,13 @@ static inline struct gd__local gd__side_local(const struct gd_side *s, double de
                               apex * s->left_length * s->left_y};
 }
 
+/* From barycentric coordinates by corner, the side's origin first. */
+static inline struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32_t side, const double weight[3])
+{
+    return gd__side_local(&mesh->side[side], weight[1], weight[2]);
+}
+
+/* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it; all 0 in any other. */
+void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
+
 #endif

@@ -4,7 +4,10 @@
  *     sqrt((t - x1)^2 + y1^2) + sigma1 = sqrt((t - x2)^2 + y2^2) + sigma2.
  * With k = sigma2 - sigma1, P = 2 (x2 - x1), Q = x1^2 + y1^2 - x2^2 - y2^2, squaring twice gives
  *     4 k^2 ((t - x1)^2 + y1^2) = (P t + Q + k^2)^2,   valid where (P t + Q) sign(k) >= k^2,
- * a branch of a hyperbola met by the edge: up to two points. */
+ * a branch of a hyperbola met by the edge: up to two points.
+ *
+ * A linear window's distance is linear along the edge: against a point's it makes a parabola's bisector, squared once, up to two points; against
+ * another linear one a line's, one point. */
 
 #define BISECTIONS 60
 
@@ -121,8 +124,20 @@ static bool is_on_branch(const struct squared *s, double n, double d, double spa
     return (s->p * up + s->q * size) * sign >= least * size;
 }
 
-/* Roots of D in (lo, hi) for unequal sigma, increasing; returns how many. */
-static int roots_of(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double root[2])
+/* Sorts up to two roots, of which two that lie too close together are one; returns how many are left. */
+static int sort_roots(double root[2], int count, double span)
+{
+    if (count < 2) return count;
+    if (root[0] > root[1]) {
+        double t = root[0];
+        root[0] = root[1];
+        root[1] = t;
+    }
+    return root[1] - root[0] < GD_TOL_ROOT_SEPARATION * span ? 1 : 2;
+}
+
+/* Roots of D in (lo, hi) for points of unequal sigma, increasing; returns how many. */
+static int roots_of_points(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double root[2])
 {
     struct squared s = square(c, o, lo);
     if (!s.has_roots) return 0;
@@ -133,19 +148,69 @@ static int roots_of(const struct gd__window *c, const struct gd__window *o, doub
         double t = lo + s.numerator[i] / s.denominator[i];
         if (t > lo && t < hi && polish(c, o, k, lo, hi, &t)) root[count++] = t;
     }
-    if (count < 2) return count;
-    if (root[0] > root[1]) {
-        double t = root[0];
-        root[0] = root[1];
-        root[1] = t;
+    return sort_roots(root, count, span);
+}
+
+/* Slope of a window's distance along the edge. */
+static double slope_at(const struct gd__window *w, double t)
+{
+    double d = t - w->x;
+    return gd__window_is_linear(w) ? -w->x : d / sqrt(d * d + w->y * w->y);
+}
+
+/* A candidate, after one guarded Newton step on D; false when it is no root. */
+static bool settle_root(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double *t)
+{
+    if (!(*t > lo && *t < hi)) return false;
+    double dc = gd__window_distance(c, *t), d_o = gd__window_distance(o, *t), residual = dc - d_o;
+    if (fabs(residual) > GD_TOL_ROOT_RESIDUAL * (dc + d_o)) return false;
+    double slope = slope_at(c, *t) - slope_at(o, *t), polished = *t - residual / slope;
+    if (fabs(slope) > GD_TOL_POLISH_SLOPE && polished > lo && polished < hi &&
+        fabs(polished - *t) < GD_TOL_POLISH_STEP * (hi - lo))
+        *t = polished;
+    return true;
+}
+
+/* Where a linear window is as near as a point's. In u = t - lo with the line's distance beyond the point's sigma a - x u, and the point at p:
+ * (u - p)^2 + y^2 = (a - x u)^2, of which 1 - x^2 is the square of the line's y. */
+static int roots_of_line(const struct gd__window *line, const struct gd__window *point, double lo, double hi,
+                         double root[2])
+{
+    double a = gd__window_distance(line, lo) - point->sigma, p = point->x - lo;
+    double square = line->y * line->y, half = p - a * line->x, rest = p * p + point->y * point->y - a * a;
+    double discriminant = half * half - square * rest, z;
+    if (discriminant < -GD_TOL_DISCRIMINANT * half * half) return 0;
+    z = half + copysign(sqrt(discriminant > 0 ? discriminant : 0), half);
+    double candidate[2] = {lo + z / square, lo + rest / z};
+    int count = 0;
+    for (int i = 0; i < 2; i++) {
+        double t = candidate[i];
+        if (settle_root(line, point, lo, hi, &t)) root[count++] = t;
     }
-    return root[1] - root[0] < GD_TOL_ROOT_SEPARATION * (hi - lo) ? 1 : 2;
+    return sort_roots(root, count, hi - lo);
+}
+
+/* Roots of D in (lo, hi), increasing; returns how many. */
+static int roots_of(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double root[2])
+{
+    bool c_is_linear = gd__window_is_linear(c), o_is_linear = gd__window_is_linear(o);
+    if (!c_is_linear && !o_is_linear) return roots_of_points(c, o, lo, hi, root);
+    if (!o_is_linear) return roots_of_line(c, o, lo, hi, root);
+    if (!c_is_linear) return roots_of_line(o, c, lo, hi, root);
+    root[0] = lo + (gd__window_distance(c, lo) - gd__window_distance(o, lo)) / (c->x - o->x);
+    return settle_root(c, o, lo, hi, &root[0]);
+}
+
+/* What a distance is rounded by is a part of this: a linear one is a difference. */
+static double size_at(const struct gd__window *w, double t, double distance)
+{
+    return gd__window_is_linear(w) ? fabs(w->sigma) + fabs(w->x * t) : distance;
 }
 
 static double difference_at(const struct gd__window *c, const struct gd__window *o, double t, double *scale)
 {
     double dc = gd__window_distance(c, t), d_o = gd__window_distance(o, t);
-    *scale = dc + d_o;
+    *scale = size_at(c, t, dc) + size_at(o, t, d_o);
     return dc - d_o;
 }
 
@@ -193,7 +258,7 @@ static struct gd__verdict settle_different_ends(const struct gd__window *c, cons
 /* Winner of a piece without a root inside: asked in its middle and at its places nearest to the two sources. */
 static enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
 {
-    double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)};
+    double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)}; /* a linear window has no such place */
     for (int i = 0; i < 3; i++) {
         enum winner winner = winner_at(c, o, at[i]);
         if (winner != TIE) return winner;
@@ -220,7 +285,8 @@ static struct gd__verdict settle_tie(const struct gd__window *c, const struct gd
 struct gd__verdict gd__contest(const struct gd__window *challenger, const struct gd__window *owner, double lo,
                                double hi)
 {
-    if (challenger->sigma == owner->sigma) return contest_equal(challenger, owner, lo, hi);
+    bool are_points = !gd__window_is_linear(challenger) && !gd__window_is_linear(owner);
+    if (are_points && challenger->sigma == owner->sigma) return contest_equal(challenger, owner, lo, hi);
     double scale_lo, scale_hi;
     double d_lo = difference_at(challenger, owner, lo, &scale_lo),
            d_hi = difference_at(challenger, owner, hi, &scale_hi);

@@ -280,8 +280,8 @@ static enum gd_status propagate_pair(struct gd__wavefront *front, const struct g
 bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propagation *propagation,
                             const struct gd_control *monitor)
 {
-    return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 && !propagation->target &&
-           !propagation->guide && propagation->radius >= GD__FAR &&
+    return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 && !propagation->seeds[0].is_segment &&
+           !propagation->target && !propagation->guide && propagation->radius >= GD__FAR &&
            (!monitor || !monitor->budget_bytes || monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 

@@ -1,7 +1,8 @@
-#include "mesh/local.h"
+#include "mesh/segment.h"
 #include "wedge/wavefront.h"
 
-/* Emission: what a pseudo-source sees at once. A seed sees its face (or the two faces of its edge, or the fan of its vertex); a saddle or
+/* Emission: what a pseudo-source sees at once. A seed sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies
+ * before and behind it at right angles; a saddle or
  * boundary vertex only the shadow cone behind it, where a path that bends there is locally shortest: at least pi on both sides of the ray
  * that came in. */
 
@@ -25,6 +26,7 @@ static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
         const struct gd_side *s = &mesh->side[birth.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
         double rx = birth.x - px, ry = -birth.y - py, ox = -px, oy = -py;
+        if (birth.source != GD_NONE && gd__source_is_linear(birth.source)) rx = birth.x, ry = -birth.y;
         uint32_t entry = mesh->fan_first[vertex], first = gd__side_previous(mesh, birth.side);
         while (mesh->fan[entry].side != first) entry++;
         return mesh->fan[entry].angle + atan2(ox * ry - oy * rx, ox * rx + oy * ry);
@@ -152,6 +154,20 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 
 /* --- seeds --------------------------------------------------------------------------------------------------------------- */
 
+/* Offers a side a seed's window. */
+static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
+    struct gd__receiver to = {side,
+                              front->mesh->side[side].length,
+                              front->distance[origin],
+                              front->distance[destination],
+                              gd__wavefront_rest(front, origin),
+                              gd__wavefront_rest(front, destination),
+                              front->falls};
+    deliver_one(front, &to, window);
+}
+
 /* Sends the seed's window out of its face across `side` (a side of that face). */
 static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
 {
@@ -163,15 +179,7 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
                                 .y = at.y,
                                 .sigma = front->seeds[seed].offset,
                                 .source = front->mesh->vertex_count + seed};
-    uint32_t origin = front->mesh->origin[side ^ 1], destination = front->mesh->origin[side];
-    struct gd__receiver to = {side ^ 1,
-                              length,
-                              front->distance[origin],
-                              front->distance[destination],
-                              gd__wavefront_rest(front, origin),
-                              gd__wavefront_rest(front, destination),
-                              front->falls};
-    deliver_one(front, &to, &window);
+    seed_side(front, side ^ 1, &window);
 }
 
 /* Straight to the apex of `side`, a side of the seed's face. */
@@ -231,9 +239,87 @@ static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
     if (front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
 }
 
+/* --- segments ------------------------------------------------------------------------------------------------------------ */
+
+static uint32_t linear_source(const struct gd__wavefront *front, uint32_t seed)
+{
+    return GD__SOURCE_LINEAR | (front->mesh->vertex_count + seed);
+}
+
+/* A segment along an edge goes off to both of its sides. */
+static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t edge)
+{
+    const struct gd__seed *s = &front->seeds[seed];
+    const struct gd_mesh *mesh = front->mesh;
+    double length = mesh->side[2 * edge].length, a = gd__edge_parameter(mesh, edge, &s->point),
+           b = gd__edge_parameter(mesh, edge, &s->end);
+    struct gd__window w = {.b0 = fmin(a, b), .b1 = fmax(a, b), .y = 1, .sigma = s->offset};
+    w.source = linear_source(front, seed);
+    struct gd__window mirrored = gd__window_mirrored(&w, length);
+    if (!gd__side_is_boundary(mesh, 2 * edge)) seed_side(front, 2 * edge, &w);
+    if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
+}
+
+/* Out of the segment's face across side k: the part of the edge that lies at right angles to the chord. */
+static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, const struct gd__chord *chord)
+{
+    double length = front->mesh->side[side].length, away = fabs(chord->along.x);
+    if (away <= GD_TOL_GRAZING) return;
+    double slope = chord->along.y / chord->along.x, turned = chord->along.x < 0 ? -1 : 1;
+    double ends[2];
+    for (int i = 0; i < 2; i++) {
+        double x = chord->from.x + i * chord->length * chord->along.x,
+               y = chord->from.y + i * chord->length * chord->along.y;
+        ends[i] = length - (x + y * slope);
+    }
+    struct gd__window w = {.b0 = fmax(fmin(ends[0], ends[1]), 0),
+                           .b1 = fmin(fmax(ends[0], ends[1]), length),
+                           .x = turned * chord->along.y,
+                           .y = away,
+                           .source = linear_source(front, seed)};
+    w.sigma = front->seeds[seed].offset + away * (chord->from.y + (length - chord->from.x) * slope);
+    if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
+}
+
+/* Straight to the apex of `side`, where its perpendicular meets the chord. */
+static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
+                                 const struct gd__chord *chord)
+{
+    const struct gd_side *s = &front->mesh->side[side];
+    struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
+    double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = height > 0 ? 1 : -1;
+    if (!(foot > 0 && foot < chord->length) || height == 0) return;
+    struct gd__birth birth = {
+        .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
+    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);
+}
+
+static void seed_segment(struct gd__wavefront *front, uint32_t seed)
+{
+    const struct gd__seed *s = &front->seeds[seed];
+    struct gd__home home;
+    if (!gd__segment_home(front->mesh, &s->point, &s->end, &home)) {
+        front->status = GD_INVALID_ARGUMENT;
+        return;
+    }
+    if (home.edge != GD_NONE) {
+        seed_along_edge(front, seed, home.edge);
+        return;
+    }
+    struct gd__chord chord[3];
+    const uint32_t *side = front->mesh->face_side[home.face];
+    for (int k = 0; k < 3; k++) chord[k] = gd__chord(front->mesh, home.face, k, &s->point, &s->end);
+    for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &chord[k]);
+    for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &chord[k]);
+}
+
 void gd__emit_seeds(struct gd__wavefront *front)
 {
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
+        if (front->seeds[i].is_segment) {
+            seed_segment(front, i);
+            continue;
+        }
         if (front->domain) front->domain->is_common = front->seeds[i].point.kind != GD_POINT_VERTEX;
         switch (front->seeds[i].point.kind) {
         case GD_POINT_VERTEX:

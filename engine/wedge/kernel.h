@@ -1,6 +1,7 @@
 /* Kernel: what is done to all windows of a list at once, several lanes at a time.
  *
- * One source (kernel_lanes.h) is compiled for each set of lanes: plain C, AVX2, AVX-512. All give the same results to the last bit: each lane
+ * One source (kernel_lanes.h) is compiled for each set of lanes: plain C, AVX2, AVX-512; and for each twice: for windows of points, and for lists in which
+ * there may be linear ones (wedge/window.h) too. All give the same results to the last bit: each lane
  * does the same operations in the same order, none of them fused, so a distance does not depend on the machine. Stateless; any thread. */
 #ifndef GD_WEDGE_KERNEL_H
 #define GD_WEDGE_KERNEL_H
@@ -40,12 +41,15 @@ struct gd__kernel {
                  struct gd__apex *apex, struct gd__children *left, struct gd__children *right);
 };
 
-extern const struct gd__kernel gd__kernel_plain;
+extern const struct gd__kernel gd__kernel_plain, gd__kernel_plain_linear;
 #if defined(__x86_64__)
-extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx512;
+extern const struct gd__kernel gd__kernel_avx2, gd__kernel_avx2_linear, gd__kernel_avx512, gd__kernel_avx512_linear;
 #endif
 
-/* The kernel in use: the widest that this machine has, or what gd_cpu_select forced. */
+/* The kernel in use: the widest that this machine has, or what gd_cpu_select forced. It takes windows of points; */
 const struct gd__kernel *gd__kernel_in_use(void);
+
+/* and the one of the same lanes that takes linear windows too. */
+const struct gd__kernel *gd__kernel_in_use_linear(void);
 
 #endif

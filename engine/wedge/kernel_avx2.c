@@ -2,5 +2,6 @@
 #include "wedge/lanes_avx2.h"
 
 #define KERNEL_NAME "avx2"
+#define WITH_LINEAR 0
 #include "wedge/kernel_lanes.h"
 #endif

@@ -1,4 +1,5 @@
-/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c behind their lanes_*.h.
+/* The kernel for one set of lanes; included by kernel_plain.c, kernel_avx2.c and kernel_avx512.c behind their lanes_*.h, and once more by
+ * kernel_linear_plain.c and so on with WITH_LINEAR 1: what concerns linear windows is left out of the former.
  *
  * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`. Arithmetic is written with C's operators; of the
  * functions, `pick` chooses by lane, `compress` moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
@@ -35,6 +36,17 @@ static inline uint32_t last_set(mask m)
     return 31 - (uint32_t)__builtin_clz(bits(m));
 }
 
+/* Lanes whose windows are linear (wedge/window.h). */
+static inline mask linear_of(ids source)
+{
+#if WITH_LINEAR
+    return ids_top(source);
+#else
+    (void)source;
+    return mask_of(0);
+#endif
+}
+
 /* --- filters ------------------------------------------------------------------------------------------------------------- */
 
 /* Moves the windows of `keep` from place `from` to place `to` <= from. */
@@ -55,8 +67,10 @@ static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last,
     lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i);
     lanes square = x * x + y * y, two = all(2), c = c1 + all(length);
     lanes t = (square - c0 * c0) / (two * (c0 + x));
+    if (WITH_LINEAR) t = pick(linear_of(ids_load(w->source + i)), (all(0) - c0) / (all(1) + x), t);
     b0 = pick(both(first, both(gt(t, b0), lt(t, b1))), t, b0);
     t = (c * c - square) / (two * (c - x));
+    if (WITH_LINEAR) t = pick(linear_of(ids_load(w->source + i)), c / (all(1) - x), t);
     b1 = pick(both(last, both(lt(t, b1), gt(t, b0))), t, b1);
     store(w->b0 + i, b0);
     store(w->b1 + i, b1);
@@ -77,6 +91,14 @@ static uint32_t filter(const struct gd__windows *w, uint32_t count, double lengt
         mask drop = either(either(lt(far0, zero), gt(r1, far0 * far0)), either(lt(far1, zero), gt(r0, far1 * far1)));
         mask first = both(active, either(lt(near0, zero), gt(r0, near0 * near0)));
         mask last = both(active, either(lt(near1, zero), gt(r1, near1 * near1)));
+        if (WITH_LINEAR) {
+            mask linear = both(active, linear_of(ids_load(w->source + i)));
+            lanes more = all(GD_TOL_BETTER) * (magnitude(sigma) - sigma), l0 = zero - x * b0 - more,
+                  l1 = zero - x * b1 - more;
+            drop = either(except(drop, linear), both(linear, either(gt(l1, far0), gt(l0, far1))));
+            first = either(except(first, linear), both(linear, gt(l0, near0)));
+            last = either(except(last, linear), both(linear, gt(l1, near1)));
+        }
         drop = both(active, drop);
         if (any(either(first, last))) trim(w, i, except(first, drop), except(last, drop), length, c0, c1);
         if (any(drop) || kept != i)
@@ -92,8 +114,10 @@ static uint32_t within(const struct gd__windows *w, uint32_t count, double bound
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i += LANES) {
         lanes x = load(w->x + i), y = load(w->y + i);
-        lanes d = lesser(greater(x, load(w->b0 + i)), load(w->b1 + i)) - x;
-        mask near = le(load(w->sigma + i) + root(d * d + y * y), all(bound));
+        lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), sigma = load(w->sigma + i);
+        lanes d = lesser(greater(x, b0), b1) - x, nearest = root(d * d + y * y);
+        if (WITH_LINEAR) nearest = pick(linear_of(ids_load(w->source + i)), all(0) - greater(x * b0, x * b1), nearest);
+        mask near = le(sigma + nearest, all(bound));
         kept = close_ranks(w, i, kept, both(first_lanes(count - i), near));
     }
     return kept;
@@ -154,7 +178,7 @@ static void store_mirrored(const struct gd__windows *w, uint32_t count, double l
 static bool store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored,
                          struct gd__wedges to)
 {
-    if (has_gaps(w, count, length)) return false;
+    if (WITH_LINEAR || has_gaps(w, count, length)) return false; /* a linear one is stored in another form: wedges.c */
     if (mirrored)
         store_mirrored(w, count, length, to);
     else
@@ -274,8 +298,13 @@ static inline mask find_joined(const struct chain *chain, const struct group *g,
           tolerance = all(GD_TOL_SAME_SOURCE) * (y + magnitude(x));
     mask same = both(active, both(le(magnitude(g->x - x), tolerance), le(magnitude(g->y - y), tolerance)));
     if (!any(same)) return same;
-    same = both(same, both(ids_eq(g->source, ids_after(chain->source, g->source)),
-                           eq(g->sigma, after(chain->sigma, g->sigma))));
+    lanes sigma = after(chain->sigma, g->sigma);
+    mask as_far = eq(g->sigma, sigma);
+    if (WITH_LINEAR) {
+        lanes slack = all(GD_TOL_SAME_SOURCE) * (magnitude(sigma) + magnitude(g->b1));
+        as_far = either(as_far, both(linear_of(g->source), le(magnitude(g->sigma - sigma), slack)));
+    }
+    same = both(same, both(ids_eq(g->source, ids_after(chain->source, g->source)), as_far));
     lanes b0 = after(chain->offered_b0, g->b0), b1 = after(chain->b1, g->b1);
     lanes reach = g->b0 - all(GD_TOL_ADJACENT) * (g->b1 - g->b0) - all(chain->width);
     return both(same, both(ge(b1, reach), both(le(b0, g->b0), ge(g->b1, b1))));
@@ -312,6 +341,8 @@ static inline void resolve(struct chain *chain, struct group *g, lanes b0_before
     struct sources o = {after(chain->x, g->x), after(chain->y, g->y), after(chain->sigma, g->sigma)};
     lanes lo = greater(g->b0, b0_before), hi = lesser(g->own_b1, b1_before), at_equal = lo, at_unequal = lo;
     mask ordered = both(overlap, both(ge(g->b0, b0_before), ge(g->own_b1, b1_before)));
+    if (WITH_LINEAR)
+        ordered = except(ordered, either(linear_of(g->source), linear_of(ids_after(chain->source, g->source))));
     mask equal = both(ordered, eq(c.sigma, o.sigma)), unequal = except(ordered, equal), cut = equal;
     if (any(equal)) cut = contest_equal(equal, c, o, lo, hi, &at_equal);
     if (any(unequal)) cut = either(cut, contest_unequal(unequal, c, o, lo, hi, &at_unequal));
@@ -380,9 +411,13 @@ static inline mask drop_grazing(mask keep, lanes x, lanes y, double length)
     return except(keep, both(low, either(lt(y, zero), either(beside, on_line))));
 }
 
-static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length)
+static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, double length, mask linear)
 {
     mask keep = both(may, gt(t1 - t0, all(GD_TOL_WIDTH * length)));
+    if (WITH_LINEAR) { /* their y is of a unit vector */
+        keep = except(keep, both(linear, le(y, all(GD_TOL_GRAZING))));
+        y = pick(linear, all(length), y);
+    }
     if (any(both(keep, le(y, all(GD_TOL_GRAZING * length))))) keep = drop_grazing(keep, x, y, length);
     return keep;
 }
@@ -422,10 +457,23 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
         ids source = ids_load(w->source + i);
         lanes e0 = b0 - x, e1 = b1 - x, hx = px - x, hy = py + y, turn = y * hx, k0 = e0 * hy - turn,
               k1 = e1 * hy - turn;
+        mask linear = linear_of(source);
+        lanes beyond = zero; /* what a linear window's distance grows by from the frame's origin to the apex */
+        if (WITH_LINEAR) {
+            beyond = y * py - x * px;
+            k0 = pick(linear, y * (b0 - px) - x * py, k0);
+            k1 = pick(linear, y * (b1 - px) - x * py, k1);
+            e0 = pick(linear, zero - x, e0);
+            e1 = pick(linear, zero - x, e1);
+        }
 
         mask passes_left = both(active, lt(k1, zero)), passes_right = both(active, gt(k0, zero)),
              straight = except(active, either(passes_left, passes_right));
-        if (any(straight)) reach_straight(apex, w, i, straight, sigma + root(hx * hx + hy * hy));
+        if (any(straight)) {
+            lanes way = root(hx * hx + hy * hy);
+            if (WITH_LINEAR) way = pick(linear, beyond, way);
+            reach_straight(apex, w, i, straight, sigma + way);
+        }
         if (any(passes_left)) apex->last_left = i + last_set(passes_left);
         if (any(passes_right) && apex->first_right == GD_NONE) apex->first_right = i + first_set(passes_right);
 
@@ -435,19 +483,30 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
             lanes t0 = b0 * minus_y / (e0 * uy - back), t1 = b1 * minus_y / (e1 * uy - back);
             t0 = pick(except(ge(t0, zero), le(b0, zero)), t0, zero);
             t1 = pick(except(le(t1, all(left_length)), ge(k1, zero)), t1, all(left_length));
-            append(&left, coalesce, wide_enough(to_left, t0, t1, xl, yl, left_length), t0, t1, xl, yl, sigma, source);
+            append(&left, coalesce, wide_enough(to_left, t0, t1, xl, yl, left_length, linear), t0, t1, xl, yl, sigma,
+                   source);
         }
         mask to_right = both(active, gt(k1, zero));
         if (any(to_right)) {
-            lanes rx = x - px, ry = zero - y - py, yr = vy * rx - vx * ry, xr = rx * vx + ry * vy, back = y * vx;
+            lanes rx = x - px, ry = zero - y - py, farther = sigma;
+            if (WITH_LINEAR) {
+                rx = pick(linear, x, rx);
+                ry = pick(linear, zero - y, ry);
+                farther = pick(linear, sigma + beyond, sigma);
+            }
+            lanes yr = vy * rx - vx * ry, xr = rx * vx + ry * vy, back = y * vx;
             lanes t0 = (zero - k0) / (e0 * vy - back), t1 = (zero - k1) / (e1 * vy - back);
             t0 = pick(except(ge(t0, zero), le(k0, zero)), t0, zero);
             t1 = pick(except(le(t1, all(right_length)), ge(b1, whole)), t1, all(right_length));
-            append(&right, coalesce, wide_enough(to_right, t0, t1, xr, yr, right_length), t0, t1, xr, yr, sigma,
-                   source);
+            append(&right, coalesce, wide_enough(to_right, t0, t1, xr, yr, right_length, linear), t0, t1, xr, yr,
+                   farther, source);
         }
     }
 }
 
+#if WITH_LINEAR
+const struct gd__kernel KERNEL_LINEAR(kernel) = {
+#else
 const struct gd__kernel KERNEL(kernel) = {
+#endif
     .name = KERNEL_NAME, .filter = filter, .within = within, .store = store_wedges, .cast = cast};

@@ -6,8 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define LANES     4
-#define KERNEL(x) gd__##x##_avx2
+#define LANES            4
+#define KERNEL(x)        gd__##x##_avx2
+#define KERNEL_LINEAR(x) gd__##x##_avx2_linear
 
 typedef __m256d lanes;
 typedef __m256d mask;
@@ -157,6 +158,11 @@ static inline void ids_store(uint32_t *p, ids a)
 static inline mask ids_eq(ids a, ids b)
 {
     return _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(a, b)));
+}
+/* The highest bit. */
+static inline mask ids_top(ids a)
+{
+    return _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_srai_epi32(a, 31)));
 }
 static inline ids ids_compress(mask m, ids a)
 {

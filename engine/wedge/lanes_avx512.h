@@ -6,8 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define LANES     8
-#define KERNEL(x) gd__##x##_avx512
+#define LANES            8
+#define KERNEL(x)        gd__##x##_avx512
+#define KERNEL_LINEAR(x) gd__##x##_avx512_linear
 
 typedef __m512d lanes;
 typedef __mmask8 mask;
@@ -131,6 +132,11 @@ static inline void ids_store(uint32_t *p, ids a)
 static inline mask ids_eq(ids a, ids b)
 {
     return _mm256_cmpeq_epi32_mask(a, b);
+}
+/* The highest bit. */
+static inline mask ids_top(ids a)
+{
+    return _mm256_movepi32_mask(a);
 }
 static inline ids ids_compress(mask m, ids a)
 {

@@ -6,8 +6,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define LANES     1
-#define KERNEL(x) gd__##x##_plain
+#define LANES            1
+#define KERNEL(x)        gd__##x##_plain
+#define KERNEL_LINEAR(x) gd__##x##_plain_linear
 
 typedef double lanes;
 typedef bool mask;
@@ -135,6 +136,11 @@ static inline void ids_store(uint32_t *p, ids a)
 static inline mask ids_eq(ids a, ids b)
 {
     return a == b;
+}
+/* The highest bit. */
+static inline mask ids_top(ids a)
+{
+    return a >> 31;
 }
 static inline ids ids_compress(mask m, ids a)
 {

@@ -32,10 +32,10 @@ static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, 
  * two that the apex lies between are all there is to ask. */
 static void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd__windows *w, uint32_t at, double end)
 {
-    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, x = w->x[at], y = w->y[at];
-    double room = apex->distance - w->sigma[at], hx = px - x, hy = py + y;
-    if (!(room > 0 && hx * hx + hy * hy < room * room)) return;
-    double ex = end - x, fx = px - end, distance = w->sigma[at] + sqrt(ex * ex + y * y) + sqrt(fx * fx + py * py);
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, fx = px - end;
+    struct gd__window window = gd__windows_get(w, at);
+    if (!(gd__window_distance_beyond(&window, px, py) < apex->distance)) return;
+    double distance = gd__window_distance(&window, end) + sqrt(fx * fx + py * py);
     if (distance >= apex->distance * (1 - GD_TOL_BETTER)) return;
     apex->distance = distance;
     apex->improved = true;

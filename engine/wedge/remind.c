@@ -23,7 +23,7 @@ static void recall(const struct gd__wavefront *front, const struct gd__chunk *ch
         if (w.source == GD_NONE || is_own != own) continue;
         if (w.source < front->mesh->vertex_count && at < front->work->since[w.source]) continue;
         if (side & 1) w = gd__window_mirrored(&w, length);
-        w.sigma = gd__wavefront_sigma(front, w.source);
+        w.sigma = gd__wavefront_sigma(front, &w);
         out->windows[out->count++] = w;
     }
 }

@@ -138,6 +138,13 @@ static uint64_t work_limit(const struct gd_mesh *mesh)
     return WORK_LEAST + (uint64_t)(WORK_FACTOR * sides * sqrt(sides));
 }
 
+static bool has_segments(const struct gd__wavefront *front)
+{
+    for (uint32_t i = 0; i < front->seed_count; i++)
+        if (front->seeds[i].is_segment) return true;
+    return false;
+}
+
 enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
@@ -149,7 +156,7 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__
     front->newest = work->newest;
     front->birth = work->birth;
     front->queue = work->queue;
-    front->kernel = gd__kernel_in_use();
+    front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
     front->work->scratch.apart = front->methods.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->bound = propagation->radius;

@@ -19,10 +19,12 @@
 #include "wedge/kernel.h"
 #include "wedge/workspace.h"
 
-/* A seed in inside terms. */
+/* A seed in inside terms: a point, or the open segment from `point` to `end`, whose ends are seeds of their own. */
 struct gd__seed {
     struct gd_point point;
     double offset;
+    struct gd_point end;
+    bool is_segment;
 };
 
 /* The means by which useless work is avoided; all false: the fastest choice. Results are the same with any of them changed: they exist to be
@@ -118,11 +120,12 @@ static inline double gd__wavefront_rest(const struct gd__wavefront *front, uint3
     return front->guide ? gd__guide_lower(front->guide, vertex) : 0;
 }
 
-/* Distance of a pseudo-source. */
-static inline double gd__wavefront_sigma(const struct gd__wavefront *front, uint32_t source)
+/* Distance of the pseudo-source of a window that was a wedge: a linear one has kept its own. */
+static inline double gd__wavefront_sigma(const struct gd__wavefront *front, const struct gd__window *w)
 {
     uint32_t vertices = front->mesh->vertex_count;
-    return source < vertices ? front->distance[source] : front->seeds[source - vertices].offset;
+    if (gd__window_is_linear(w)) return w->sigma;
+    return w->source < vertices ? front->distance[w->source] : front->seeds[w->source - vertices].offset;
 }
 
 /* Offers a vertex a distance; takes it if strictly shorter, and queues the vertex if paths may bend there. */

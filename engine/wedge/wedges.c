@@ -5,12 +5,18 @@
 struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i, double length)
 {
     double unit = length * GD__WEDGE_UNIT, y = wedges.y[i];
-    return (struct gd__window){.b0 = gd__wedge_start(wedges.start[i]) * unit,
-                               .b1 = i + 1 < count ? gd__wedge_start(wedges.start[i + 1]) * unit : length,
-                               .x = wedges.x[i],
-                               .y = fabs(y),
-                               .source = gd__wedge_source(wedges.start[i]),
-                               .tags = signbit(y) ? 0 : GD__WINDOW_FAR_SIDE};
+    struct gd__window w = {.b0 = gd__wedge_start(wedges.start[i]) * unit,
+                           .b1 = i + 1 < count ? gd__wedge_start(wedges.start[i + 1]) * unit : length,
+                           .x = wedges.x[i],
+                           .y = fabs(y),
+                           .source = gd__wedge_source(wedges.start[i]),
+                           .tags = signbit(y) ? 0 : GD__WINDOW_FAR_SIDE};
+    if (w.source == GD_NONE || !gd__window_is_linear(&w)) return w;
+    double half = w.y, scale = 1 / (1 + half * half);
+    w.sigma = w.x;
+    w.x = (1 - half) * (1 + half) * scale;
+    w.y = 2 * half * scale;
+    return w;
 }
 
 /* Where wedges go; without arrays they are counted only. */
@@ -18,12 +24,14 @@ struct writer {
     struct gd__wedges to; /* x is NULL: count */
     uint32_t count;
     double length, end; /* where the last window ended */
+    bool linear;        /* it was one such */
 };
 
 static void put(struct writer *writer, double b0, double x, double y, uint32_t source)
 {
     if (writer->to.x) {
         double start = b0 / writer->length * GD__WEDGE_UNITS;
+        if (source != GD_NONE && gd__source_is_linear(source)) start = ceil(start);
         start = start > 0 ? start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST : 0;
         writer->to.x[writer->count] = x;
         writer->to.y[writer->count] = y;
@@ -32,23 +40,33 @@ static void put(struct writer *writer, double b0, double x, double y, uint32_t s
     writer->count++;
 }
 
-static void put_gap(struct writer *writer, double until)
+/* A window reaches over what is hardly a gap, but not a linear one. */
+static void put_gap(struct writer *writer, double until, bool linear)
 {
-    if (until > writer->end + GD_TOL_ADJACENT * writer->length) put(writer, writer->end, 0, 0, GD_NONE);
+    double narrow = linear || writer->linear ? 0 : GD_TOL_ADJACENT * writer->length;
+    if (until > writer->end + narrow) put(writer, writer->end, 0, 0, GD_NONE);
+    writer->linear = linear;
 }
 
-static void put_all(struct writer *writer, const struct gd__windows *w, uint32_t count, bool mirrored)
+/* Tangent of half the angle of a unit vector, y > 0. */
+static double half_tangent(double x, double y)
+{
+    return x > 0 ? y / (1 + x) : (1 - x) / y;
+}
+
+static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count, bool mirrored)
 {
     double length = writer->length;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t at = mirrored ? count - 1 - i : i;
-        double b0 = mirrored ? length - w->b1[at] : w->b0[at], b1 = mirrored ? length - w->b0[at] : w->b1[at];
-        put_gap(writer, b0);
-        put(writer, writer->count ? b0 : 0, mirrored ? length - w->x[at] : w->x[at], mirrored ? w->y[at] : -w->y[at],
-            w->source[at]);
-        writer->end = b1;
+        struct gd__window w = gd__windows_get(windows, mirrored ? count - 1 - i : i);
+        if (mirrored) w = gd__window_mirrored(&w, length);
+        bool linear = gd__window_is_linear(&w);
+        double x = linear ? w.sigma : w.x, y = linear ? half_tangent(w.x, w.y) : w.y;
+        put_gap(writer, w.b0, linear);
+        put(writer, writer->count ? w.b0 : 0, x, mirrored ? y : -y, w.source);
+        writer->end = w.b1;
     }
-    put_gap(writer, length);
+    put_gap(writer, length, false);
 }
 
 uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length, bool mirrored, double *data)

@@ -1,7 +1,8 @@
 /* Wedges: the final form of windows, 24 bytes each, in chunks: the windows of one side that were propagated together.
  *
  * In the frame of side 0 of the edge, sorted by start. A wedge reaches to where the next one of its chunk begins, the last one to the edge's
- * end; a wedge without a source is a gap. An edge has a chain of chunks, newest first; mostly one. Chunks of a chain may overlap: each
+ * end; a wedge without a source is a gap. Of a linear wedge `x` is the distance at the edge's origin and `y` the
+ * tangent of half the angle under which its line is seen along the edge; its ends are rounded inwards, since beyond them its line is no segment. An edge has a chain of chunks, newest first; mostly one. Chunks of a chain may overlap: each
  * wedge is a path that exists, so the least over all of them is the distance. */
 #ifndef GD_WEDGE_WEDGES_H
 #define GD_WEDGE_WEDGES_H
@@ -43,7 +44,7 @@ static inline uint32_t gd__wedge_source(uint64_t start)
     return (uint32_t)(start >> 32);
 }
 
-/* The window that wedge `i` of a chunk was, in the frame of side 0, y >= 0, without sigma; tags are GD__WINDOW_FAR_SIDE where its source lies across
+/* The window that wedge `i` of a chunk was, in the frame of side 0, y >= 0, without sigma but for a linear one; tags are GD__WINDOW_FAR_SIDE where its source lies across
  * side 1. A gap has source GD_NONE. */
 struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uint32_t i, double length);
 

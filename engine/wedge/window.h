@@ -1,7 +1,12 @@
 /* Window: a wedge in flight, on one side of an edge (Definition 1 of the paper; "wedge" is kept for the final stage).
  *
  * In the frame of its side (mesh/topology.h) the window sees its pseudo-source at (x, -y), y > 0, straight through [b0, b1]; the distance at
- * parameter t of the edge is sigma + |(t, 0) - (x, -y)|. It propagates into the side's face. */
+ * parameter t of the edge is sigma + |(t, 0) - (x, -y)|. It propagates into the side's face.
+ *
+ * A linear window is of a segment source (Bommes and Kobbelt 2007): it sees a line at right angles, that is a source infinitely far away in the
+ * direction (x, -y), a unit vector, y > 0. The distance at (t, h) of the frame is sigma - x t + y h: its sigma is the distance at the frame's
+ * origin, which may lie outside the window, so that it may be negative, and changes from frame to frame. In homogeneous coordinates both are one: the
+ * source (x, -y, 1) or (x, -y, 0). */
 #ifndef GD_WEDGE_WINDOW_H
 #define GD_WEDGE_WINDOW_H
 
@@ -15,26 +20,45 @@
  * that must not be joined. */
 enum { GD__WINDOW_FAR_SIDE = 1, GD__WINDOW_SERIAL = 4 };
 
-/* Set in a source's number: the window is linear, of a segment source: its distance is sigma plus the distance to a line. Reserved. */
+/* Set in a source's number: the window is linear. The rest is vertex_count + number of the seed. */
 #define GD__SOURCE_LINEAR (UINT32_C(1) << 31)
 
 struct gd__window {
     double b0, b1;
     double x, y;
-    double sigma;    /* distance of the pseudo-source */
+    double sigma;    /* distance of the pseudo-source; of a linear window that at the frame's origin */
     uint32_t source; /* pseudo-source: a vertex, or vertex_count + number of the seed */
     uint32_t tags;
 };
 
+/* Of a source that is one: not of a gap's (GD_NONE). */
+static inline bool gd__source_is_linear(uint32_t source)
+{
+    return (source & GD__SOURCE_LINEAR) != 0;
+}
+
+static inline bool gd__window_is_linear(const struct gd__window *w)
+{
+    return gd__source_is_linear(w->source);
+}
+
+/* Distance at (t, h) of the frame, straight through the edge's line, h >= 0. */
+static inline double gd__window_distance_beyond(const struct gd__window *w, double t, double h)
+{
+    if (gd__window_is_linear(w)) return w->sigma - w->x * t + w->y * h;
+    double dx = t - w->x, dy = h + w->y;
+    return w->sigma + sqrt(dx * dx + dy * dy);
+}
+
 static inline double gd__window_distance(const struct gd__window *w, double t)
 {
-    double d = t - w->x;
-    return w->sigma + sqrt(d * d + w->y * w->y);
+    return gd__window_distance_beyond(w, t, 0);
 }
 
 /* Shortest distance that the window gives anywhere on its interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
+    if (gd__window_is_linear(w)) return gd__window_distance(w, w->x > 0 ? w->b1 : w->b0);
     double t = w->x < w->b0 ? w->b0 : w->x > w->b1 ? w->b1 : w->x;
     return gd__window_distance(w, t);
 }
@@ -51,8 +75,9 @@ static inline bool gd__window_grazes(double x, double y, double length)
 /* One source seen through two windows: they differ in their intervals only. */
 static inline bool gd__window_same_source(const struct gd__window *a, const struct gd__window *b)
 {
-    if (a->source != b->source || a->sigma != b->sigma || a->tags != b->tags) return false;
-    double tolerance = GD_TOL_SAME_SOURCE * (a->y + fabs(a->x));
+    if (a->source != b->source || a->tags != b->tags) return false;
+    double apart = fabs(a->sigma - b->sigma), tolerance = GD_TOL_SAME_SOURCE * (a->y + fabs(a->x));
+    if (apart > (gd__window_is_linear(a) ? GD_TOL_SAME_SOURCE * (fabs(a->sigma) + fabs(a->b1)) : 0)) return false;
     return fabs(a->x - b->x) <= tolerance && fabs(a->y - b->y) <= tolerance;
 }
 
@@ -62,7 +87,8 @@ static inline struct gd__window gd__window_mirrored(const struct gd__window *w, 
     struct gd__window m = *w;
     m.b0 = length - w->b1;
     m.b1 = length - w->b0;
-    m.x = length - w->x;
+    m.x = gd__window_is_linear(w) ? -w->x : length - w->x;
+    if (gd__window_is_linear(w)) m.sigma = w->sigma - w->x * length;
     return m;
 }
 

@@ -90,7 +90,7 @@ static struct gd_field *build_field(const struct gd_mesh *mesh, const struct que
     struct gd_seed seeds[MAX_SOURCES];
     struct gd_field_request request = {.seeds = seeds, .seed_count = question->source_count};
     for (uint32_t i = 0; i < question->source_count; i++)
-        seeds[i] = (struct gd_seed){test_point(mesh, question->sources[i]), question->offsets[i]};
+        seeds[i] = (struct gd_seed){.point = test_point(mesh, question->sources[i]), .offset = question->offsets[i]};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
     check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);

@@ -19,9 +19,13 @@
 
 struct gd_field;
 
+/* A source: a point, or a straight segment within one face, without its ends, which are to be seeds of their own (gd_curve_seeds makes all of a
+ * curve's). */
 struct gd_seed {
     struct gd_point point;
     double offset; /* >= 0, added to every distance from this seed */
+    bool is_segment;
+    struct gd_point end; /* of a segment that begins at `point`; else ignored */
 };
 
 struct gd_field_request {
@@ -31,9 +35,11 @@ struct gd_field_request {
     const struct gd_point *target; /* stop when this point's distance is final (the paper's Property 5); NULL: none */
 };
 
-/* Propagates wedges from the seeds and keeps the final ones. `control`, `executor` and `detail` may be NULL. An executor of width 2 or more halves a
+/* Propagates wedges from the seeds and keeps the final ones: of segments linear ones, so that distances to them are as exact as those to points (D. Bommes
+ * and L. Kobbelt, "Accurate computation of geodesic distance fields for polygonal curves on triangle meshes", 2007). `control`, `executor` and `detail` may be NULL. An executor of width 2 or more halves a
  * large surface between two tasks (wedge/domain.h): the same field every time, which differs from that of one task by rounding.
- * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far
+ * Errors: GD_INVALID_ARGUMENT (no seed, an offset that is negative or not finite, a segment whose ends are one point or lie in no common face),
+ * GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, GD_RUNAWAY (far
  * more windows than any surface of sense needs), GD_INTERNAL (the distances of two neighbours differ by more than their edge: rounding was too
  * coarse for this surface). Cost: about n^1.5 wedges on smooth curved meshes; 24 bytes a wedge. */
 GD_MUST_USE enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
@@ -55,7 +61,7 @@ const struct gd_mesh *gd_field_mesh(const struct gd_field *field);
 /* Distances up to here are final and answered; INFINITY for a complete field. */
 double gd_field_reach(const struct gd_field *field);
 
-/* True when the field has one seed, without offset: `*out` is its point. */
+/* True when the field has one seed, a point without offset: `*out` is that point. */
 bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out);
 
 struct gd_field_statistics {
@@ -118,6 +124,7 @@ GD_MUST_USE enum gd_status gd_field_farthest(const struct gd_field *field, const
 struct gd_wedge {
     double b0, b1, d0, d1, sigma;
     bool tau;
+    bool linear;     /* of a segment: d0, d1 are distances at right angles to its line, sigma is the seed's offset */
     bool at_vertex;  /* the pseudo-source is a vertex, else it is a seed */
     uint32_t source; /* input index of that vertex, or number of that seed */
 };

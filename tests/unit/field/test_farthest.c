@@ -107,7 +107,8 @@ static void of_a_square(void **state)
     gd_field_release(field);
 
     const double corner[4][2] = {{0, 0}, {1, 0.05}, {0.9, 1}, {0, 1}};
-    for (int i = 0; i < 4; i++) seeds[i] = (struct gd_seed){point_at(mesh, corner[i][0], corner[i][1], 0), 0.01 * i};
+    for (int i = 0; i < 4; i++)
+        seeds[i] = (struct gd_seed){.point = point_at(mesh, corner[i][0], corner[i][1], 0), .offset = 0.01 * i};
     field = field_of(mesh, seeds, 4, 0);
     at = farthest(field, &point, &distance);
     assert_int_equal(point.kind, GD_POINT_FACE);

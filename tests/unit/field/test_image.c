@@ -25,8 +25,8 @@ static int make_image(void **state)
     check_ok(sample_terrain(12, 0.3, 7, &polygons), NULL);
     mesh = test_mesh(&polygons);
     struct rng rng = {4};
-    struct gd_seed seeds[2] = {{test_point(mesh, test_random_place(&polygons, &rng)), 0},
-                               {test_point(mesh, test_random_place(&polygons, &rng)), 0.25}};
+    struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
+                               {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.25}};
     check_ok(
         gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 2}, NULL, NULL, &field, NULL),
         NULL);

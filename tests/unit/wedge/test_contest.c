@@ -132,6 +132,75 @@ static void winner_is_never_worse(void **state)
     assert_true(worst < 1e-12);
 }
 
+/* --- linear windows -------------------------------------------------------------------------------------------------------- */
+
+/* Of a line seen under that angle along the edge, that far from the edge's origin. */
+static struct gd__window linear(double angle, double sigma)
+{
+    return (struct gd__window){
+        .b0 = 0, .b1 = 1, .x = cos(angle), .y = sin(angle), .sigma = sigma, .source = GD__SOURCE_LINEAR};
+}
+
+static void a_line_and_a_point_part_at_a_parabola(void **state)
+{
+    (void)state;
+    struct gd__window line = linear(M_PI / 2, 0.5), point = window(0.5, 0.1, 0.2); /* the point wins in the middle */
+    struct gd__verdict verdict = gd__contest(&point, &line, 0, 1);
+    assert_false(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 2);
+    double half = sqrt(0.3 * 0.3 - 0.1 * 0.1);
+    check_close(verdict.at[0], 0.5 - half, 1e-14);
+    check_close(verdict.at[1], 0.5 + half, 1e-14);
+    line = linear(1.1, 0.75); /* at a slant: one place in the edge */
+    for (int i = 0; i < 2; i++) {
+        verdict = i ? gd__contest(&line, &point, 0, 1) : gd__contest(&point, &line, 0, 1);
+        assert_int_equal(verdict.switches, 1);
+        assert_true(gap(&line, &point, verdict.at[0]) < 1e-15);
+        assert_true(verdict.challenger_first == (i == 0));
+    }
+}
+
+static void two_lines_part_at_one_place(void **state)
+{
+    (void)state;
+    struct gd__window a = linear(2.0, 0.3), b = linear(1.0, 0.6);
+    struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+    assert_true(verdict.challenger_first);
+    assert_int_equal(verdict.switches, 1);
+    check_close(verdict.at[0], 0.3 / (cos(1.0) - cos(2.0)), 1e-14);
+    assert_int_equal(gd__contest(&a, &a, 0, 1).switches, 0);
+    assert_false(gd__contest(&a, &a, 0, 1).challenger_first);
+}
+
+/* A segment's end is as near as the segment along the line on which the one's sight gives way to the other's: a double root. */
+static void where_a_line_ends_nothing_changes(void **state)
+{
+    (void)state;
+    struct gd__window line = linear(M_PI / 2, 0.5), end = window(1, 0.5, 0);
+    assert_false(gd__contest(&end, &line, 0, 1).challenger_first);
+    assert_int_equal(gd__contest(&end, &line, 0, 1).switches, 0);
+    assert_true(gd__contest(&line, &end, 0, 1).challenger_first);
+}
+
+static void random_contests_with_lines(void **state)
+{
+    (void)state;
+    struct rng rng = {3};
+    for (int i = 0; i < 20000; i++) {
+        struct gd__window a = linear(rng_between(&rng, 0.01, 3.13), rng_between(&rng, 0, 2)),
+                          b = rng_below(&rng, 2) ? linear(rng_between(&rng, 0.01, 3.13), rng_between(&rng, 0, 2))
+                                                 : window(rng_between(&rng, -1, 2), rng_between(&rng, 0.01, 1),
+                                                          rng_between(&rng, 0, 1));
+        struct gd__verdict verdict = gd__contest(&a, &b, 0, 1);
+        for (int k = 0; k < 50; k++) {
+            double t = rng_unit(&rng), difference = gd__window_distance(&a, t) - gd__window_distance(&b, t);
+            bool a_wins = verdict.challenger_first;
+            for (int s = 0; s < verdict.switches; s++) a_wins ^= t > verdict.at[s];
+            if (fabs(difference) > 1e-12) assert_true(a_wins == (difference < 0));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -142,6 +211,10 @@ int main(void)
         cmocka_unit_test(a_double_root_changes_nothing),
         cmocka_unit_test(a_tie_at_both_ends_is_no_tie_between),
         cmocka_unit_test(winner_is_never_worse),
+        cmocka_unit_test(a_line_and_a_point_part_at_a_parabola),
+        cmocka_unit_test(two_lines_part_at_one_place),
+        cmocka_unit_test(where_a_line_ends_nothing_changes),
+        cmocka_unit_test(random_contests_with_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -135,6 +135,30 @@ static void reads_back_what_was_written(void **state)
     gd__stack_destroy(&list);
 }
 
+/* A linear window comes back as it was, on both sides of the edge, and its ends rounded inwards. */
+static void linear_windows_come_back(void **state)
+{
+    (void)state;
+    double length = 2.5;
+    for (int degree = 1; degree < 180; degree++) {
+        double angle = degree * M_PI / 180, b0[9] = {0.3}, b1[9] = {1.7}, x[9] = {cos(angle)}, y[9] = {sin(angle)},
+               sigma[9] = {-0.25};
+        uint32_t source[9] = {GD__SOURCE_LINEAR | 77};
+        struct gd__windows windows = {b0, b1, x, y, sigma, source};
+        for (int mirrored = 0; mirrored < 2; mirrored++) {
+            double data[9];
+            assert_int_equal(gd__wedges_write(&windows, 1, length, mirrored, data), 3);
+            struct gd__wedges wedges = {data, data + 3, (uint64_t *)(data + 6)};
+            struct gd__window w = gd__wedge_window(wedges, 3, 1, length);
+            assert_int_equal(w.tags, mirrored ? GD__WINDOW_FAR_SIDE : 0);
+            if (mirrored) w = gd__window_mirrored(&w, length);
+            assert_true(w.b0 >= 0.3 - 1e-15 && w.b0 < 0.3 + 1e-9 && w.b1 <= 1.7 + 1e-15 && w.b1 > 1.7 - 1e-9);
+            assert_true(fabs(w.x - x[0]) < 4e-16 && fabs(w.y - y[0]) < 4e-16 && fabs(w.sigma + 0.25) < 2e-15);
+            assert_int_equal(w.source, source[0]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -142,6 +166,7 @@ int main(void)
         cmocka_unit_test_teardown(closes_what_rounding_left_open, free_builder),
         cmocka_unit_test_teardown(tells_the_side_by_the_sign, free_builder),
         cmocka_unit_test_teardown(reads_back_what_was_written, free_builder),
+        cmocka_unit_test(linear_windows_come_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,40 @@
+/* Segment: a straight piece of a curve, between two different points of one face. */
+#ifndef GD_MESH_SEGMENT_H
+#define GD_MESH_SEGMENT_H
+
+#include "mesh/local.h"
+
+/* Where it lies: along an edge, or across a face. */
+struct gd__home {
+    uint32_t edge; /* GD_NONE: not along an edge */
+    uint32_t face; /* GD_NONE: along an edge */
+};
+
+/* The home of the segment from a to b; false where they are one point or no face contains both. O(1), O(fan) between vertices. */
+bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                      struct gd__home *out);
+
+/* A point of an edge's segment, or of an edge: its place on the edge, from the origin of the edge's side 0. */
+double gd__edge_parameter(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point);
+
+/* A segment across a face, laid into the frame of side k of it. */
+struct gd__chord {
+    struct gd__local from, along; /* along: of unit length */
+    double length;
+};
+struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,
+                           const struct gd_point *b);
+
+/* How far along the chord the foot of a place's perpendicular lies. */
+static inline double gd__chord_foot(const struct gd__chord *chord, struct gd__local at)
+{
+    return (at.x - chord->from.x) * chord->along.x + (at.y - chord->from.y) * chord->along.y;
+}
+
+/* How far a place lies to the left of the chord's line. */
+static inline double gd__chord_height(const struct gd__chord *chord, struct gd__local at)
+{
+    return chord->along.x * (at.y - chord->from.y) - chord->along.y * (at.x - chord->from.x);
+}
+
+#endif

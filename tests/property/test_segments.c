@@ -1,0 +1,306 @@
+/* Segments as sources: distances to curves, against closed forms and against the distances from the other end: the field of a point, whose least
+ * value along the curve must be the curve's value at the point. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/cpu.h"
+#include "gd/field.h"
+#include "gd/io.h"
+#include "gd/query.h"
+#include "mesh/canonical.h"
+#include "mesh/segment.h"
+#include "tests/samples/samples.h"
+
+/* --- curves -------------------------------------------------------------------------------------------------------------- */
+
+/* Seeds of a polyline: its points and the segments between them. */
+struct curve {
+    struct gd_seed seeds[20000];
+    uint32_t count;
+};
+
+static struct curve curve;
+
+static void put_segment(const struct gd_point *a, const struct gd_point *b)
+{
+    curve.seeds[curve.count++] = (struct gd_seed){.point = *a, .end = *b, .is_segment = true};
+    curve.seeds[curve.count++] = (struct gd_seed){.point = *b};
+}
+
+/* The shortest path between two points. */
+static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struct gd_point to)
+{
+    struct gd_pair_answer answer;
+    check_ok(gd_pair_solve(mesh, &from, &to, true, NULL, NULL, &answer, NULL), NULL);
+    curve.seeds[curve.count++] = (struct gd_seed){.point = from};
+    for (uint32_t i = 0; i + 1 < answer.path.count; i++)
+        put_segment(&answer.path.points[i], &answer.path.points[i + 1]);
+    gd_pair_answer_free(&answer);
+}
+
+static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
+{
+    struct gd_field *field;
+    struct gd_detail detail = {0};
+    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count}, NULL, NULL, &field,
+                            &detail),
+             &detail);
+    return field;
+}
+
+static double distance_at(const struct gd_field *field, const struct gd_point *point)
+{
+    double distance;
+    check_ok(gd_field_distance(field, point, &distance), NULL);
+    return distance;
+}
+
+/* --- the oracle ---------------------------------------------------------------------------------------------------------- */
+
+static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed *segment, double s)
+{
+    struct gd__home home;
+    double from[3], to[3], weight[3];
+    assert_true(gd__segment_home(mesh, &segment->point, &segment->end, &home));
+    uint32_t side = 2 * home.edge;
+    if (home.face == GD_NONE) home.face = mesh->side_face[gd__side_is_boundary(mesh, side) ? side + 1 : side];
+    gd__point_weights(mesh, &segment->point, home.face, from);
+    gd__point_weights(mesh, &segment->end, home.face, to);
+    for (int k = 0; k < 3; k++) weight[k] = (1 - s) * from[k] + s * to[k];
+    return gd__point_of_face(mesh, home.face, weight);
+}
+
+/* The least value of a field along a segment: by sections, of which the field's slope bounds the rest. */
+static double least_along(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_seed *segment,
+                          double best)
+{
+    struct gd_vec3 a = gd_point_position(mesh, &segment->point), b = gd_point_position(mesh, &segment->end);
+    double length = gd_vec3_length(gd_vec3_sub(b, a)), stack[128][4];
+    int depth = 0;
+    double d0 = distance_at(field, &segment->point), d1 = distance_at(field, &segment->end);
+    best = fmin(best, fmin(d0, d1));
+    memcpy(stack[depth++], (double[4]){0, 1, d0, d1}, sizeof stack[0]);
+    while (depth) {
+        double s0 = stack[--depth][0], s1 = stack[depth][1], e0 = stack[depth][2], e1 = stack[depth][3];
+        if (0.5 * (e0 + e1 - (s1 - s0) * length) >= best * (1 - 1e-10) || (s1 - s0) * length < 1e-7 * best || best == 0)
+            continue;
+        double middle = 0.5 * (s0 + s1);
+        struct gd_point point = between(mesh, segment, middle);
+        double e = distance_at(field, &point);
+        best = fmin(best, e);
+        memcpy(stack[depth++], (double[4]){s0, middle, e0, e}, sizeof stack[0]);
+        memcpy(stack[depth++], (double[4]){middle, s1, e, e1}, sizeof stack[0]);
+    }
+    return best;
+}
+
+static double least_along_curve(const struct gd_mesh *mesh, const struct gd_field *field)
+{
+    double best = HUGE_VAL;
+    for (uint32_t i = 0; i < curve.count; i++)
+        if (!curve.seeds[i].is_segment) best = fmin(best, distance_at(field, &curve.seeds[i].point));
+    for (uint32_t i = 0; i < curve.count; i++)
+        if (curve.seeds[i].is_segment) best = least_along(mesh, field, &curve.seeds[i], best);
+    return best;
+}
+
+/* At random points, against the field of each; and the path ends on the curve. */
+static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
+                                   struct rng *rng)
+{
+    struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+    double worst = 0;
+    for (int i = 0; i < count; i++) {
+        struct gd_point p = test_point(mesh, test_random_place(polygons, rng));
+        struct gd_field *back = field_of(mesh, &(struct gd_seed){.point = p}, 1);
+        double distance = distance_at(field, &p);
+        worst = fmax(worst, check_close(distance, least_along_curve(mesh, back), 1e-9));
+        struct gd_path path;
+        check_ok(gd_field_path(field, &p, &path), NULL);
+        check_close(path.length, distance, 1e-9);
+        double there = distance_at(back, &path.points[path.count - 1]);
+        check_close(there, distance, 1e-9);
+        uint32_t seed;
+        double again;
+        check_ok(gd_field_nearest(field, &p, &again, &seed), NULL);
+        assert_true(again == distance && seed < curve.count);
+        gd_path_free(&path);
+        gd_field_release(back);
+    }
+    gd_field_release(field);
+    return worst;
+}
+
+/* --- tests --------------------------------------------------------------------------------------------------------------- */
+
+/* Segments of a random walk within faces and along edges: each begins at a random place of a random face and ends at another one of it. */
+static void put_random_segments(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
+                                struct rng *rng)
+{
+    for (int i = 0; i < count; i++) {
+        struct test_place a = {.face = rng_below(rng, polygons->polygon_count)}, b = {.face = a.face};
+        for (int end = 0; end < 2; end++) {
+            double *weight = end ? b.weight : a.weight, sum = 0;
+            uint32_t zeros = rng_below(rng, 3), first = rng_below(rng, 3); /* in the face, on an edge, at a corner */
+            for (uint32_t k = 0; k < 3; k++) weight[(first + k) % 3] = k < zeros ? 0 : 0.01 + rng_unit(rng);
+            for (int k = 0; k < 3; k++) sum += weight[k];
+            for (int k = 0; k < 3; k++) weight[k] /= sum;
+        }
+        struct gd_point from = test_point(mesh, a), to = test_point(mesh, b);
+        if (gd_point_equal(&from, &to)) continue;
+        curve.seeds[curve.count++] = (struct gd_seed){.point = from};
+        put_segment(&from, &to);
+    }
+}
+
+/* A few segments on small random surfaces: boundaries, saddles, slivers. */
+static void random_segments(void **state)
+{
+    (void)state;
+    struct rng rng = {5};
+    double worst = 0;
+    for (uint32_t i = 0; i < 60; i++) {
+        struct gd_polygons polygons;
+        check_ok(sample_tangle(40 + 4 * i, i, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        curve.count = 0;
+        put_random_segments(mesh, &polygons, 1 + (int)i % 4, &rng);
+        if (curve.count) worst = fmax(worst, check_against_points(mesh, &polygons, 5, &rng));
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+    print_message("# worst relative error %.1e\n", worst);
+}
+
+/* Each set of lanes does the same operations in the same order: the same distances to the last bit. */
+static void kernels_agree(void **state)
+{
+    (void)state;
+    static const char *const kernels[] = {"baseline", "avx2", "avx512"};
+    struct rng rng = {9};
+    struct gd_polygons polygons;
+    check_ok(sample_terrain(40, 0.3, 3, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    curve.count = 0;
+    put_random_segments(mesh, &polygons, 12, &rng);
+    struct gd_point points[500];
+    for (int i = 0; i < 500; i++) points[i] = test_point(mesh, test_random_place(&polygons, &rng));
+    double first[500];
+    int compared = 0;
+    for (int k = 0; k < 3; k++) {
+        if (gd_cpu_select(kernels[k])) continue;
+        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        for (int i = 0; i < 500; i++) {
+            double distance = distance_at(field, &points[i]);
+            if (k == 0) first[i] = distance;
+            assert_true(distance == first[i]);
+        }
+        gd_field_release(field);
+        compared++;
+    }
+    print_message("# %d kernels compared\n", compared);
+    check_ok(gd_cpu_select("auto"), NULL);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* Distances to segments in the plane, at scales and places far from the origin. */
+static void planes(void **state)
+{
+    (void)state;
+    static const double scales[] = {1e-6, 1, 1e6};
+    struct rng rng = {11};
+    for (size_t n = 0; n < sizeof scales / sizeof *scales; n++) {
+        struct gd_polygons polygons;
+        check_ok(sample_grid(17, 13, 3 * scales[n], 2 * scales[n], &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_point ends[2];
+        for (int i = 0; i < 2; i++) ends[i] = test_point(mesh, test_random_place(&polygons, &rng));
+        curve.count = 0;
+        put_geodesic(mesh, ends[0], ends[1]);
+        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        struct gd_vec3 a = gd_point_position(mesh, &ends[0]), span = gd_vec3_sub(gd_point_position(mesh, &ends[1]), a);
+        for (int i = 0; i < 300; i++) {
+            struct gd_point p = test_point(mesh, test_random_place(&polygons, &rng));
+            struct gd_vec3 from = gd_vec3_sub(gd_point_position(mesh, &p), a);
+            double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
+            part = part < 0 ? 0 : part > 1 ? 1 : part;
+            double expected = gd_vec3_length(gd_vec3_along(from, -part, span)), distance = distance_at(field, &p);
+            assert_true(fabs(distance - expected) <= 1e-12 * scales[n]);
+        }
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+/* A segment whose ends lie in no common face is refused. */
+static void what_is_no_segment(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_grid(4, 4, 1, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_point a = test_point(mesh, (struct test_place){.face = 0, .weight = {1, 0, 0}}),
+                    b = test_point(mesh, (struct test_place){.face = 31, .weight = {0.2, 0.3, 0.5}});
+    struct gd_point ends[2] = {b, a};
+    for (int i = 0; i < 2; i++) {
+        struct gd_seed seed = {.point = a, .end = ends[i], .is_segment = true};
+        struct gd_field *field;
+        struct gd_detail detail = {0};
+        assert_int_equal(gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL,
+                                        &field, &detail),
+                         GD_INVALID_ARGUMENT);
+        assert_non_null(strstr(detail.text, "segment"));
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+static struct gd_polygons read_shared(const char *name)
+{
+    char path[256];
+    size_t size;
+    struct gd_polygons polygons = {0};
+    snprintf(path, sizeof path, "%s/meshes/%s.obj",
+             getenv("GEODESICD_SHARED") ? getenv("GEODESICD_SHARED") : "../shared", name);
+    char *bytes = test_read_file(path, &size);
+    if (!bytes) {
+        print_message("# skipped: there is no %s\n", path);
+        skip();
+    }
+    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
+    free(bytes);
+    return polygons;
+}
+
+static void geodesics_on_shared_meshes(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"spot", "fandisk", "rocker-arm", "stanford-bunny"};
+    struct rng rng = {7};
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+        struct gd_polygons polygons = read_shared(names[n]);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        curve.count = 0;
+        for (int i = 0; i < 2; i++)
+            put_geodesic(mesh, test_point(mesh, test_random_place(&polygons, &rng)),
+                         test_point(mesh, test_random_place(&polygons, &rng)));
+        double worst = check_against_points(mesh, &polygons, 5, &rng);
+        print_message("# %s: %u seeds, worst relative error %.1e\n", names[n], curve.count, worst);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(planes), cmocka_unit_test(random_segments),
+                                       cmocka_unit_test(kernels_agree), cmocka_unit_test(what_is_no_segment),
+                                       cmocka_unit_test(geodesics_on_shared_meshes)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
