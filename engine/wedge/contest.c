@@ -190,10 +190,14 @@ static int roots_of_line(const struct gd__window *line, const struct gd__window 
     return sort_roots(root, count, hi - lo);
 }
 
+/* What follows is compiled twice: `linear`, for pairs of which one may be linear, and for points, which are by far the most. */
+#define BOTH_KINDS static inline __attribute__((always_inline))
+
 /* Roots of D in (lo, hi), increasing; returns how many. */
-static int roots_of(const struct gd__window *c, const struct gd__window *o, double lo, double hi, double root[2])
+BOTH_KINDS int roots_of(const struct gd__window *c, const struct gd__window *o, double lo, double hi, bool linear,
+                        double root[2])
 {
-    bool c_is_linear = gd__window_is_linear(c), o_is_linear = gd__window_is_linear(o);
+    bool c_is_linear = linear && gd__window_is_linear(c), o_is_linear = linear && gd__window_is_linear(o);
     if (!c_is_linear && !o_is_linear) return roots_of_points(c, o, lo, hi, root);
     if (!o_is_linear) return roots_of_line(c, o, lo, hi, root);
     if (!c_is_linear) return roots_of_line(o, c, lo, hi, root);
@@ -207,25 +211,28 @@ static double size_at(const struct gd__window *w, double t, double distance)
     return gd__window_is_linear(w) ? fabs(w->sigma) + fabs(w->x * t) : distance;
 }
 
-static double difference_at(const struct gd__window *c, const struct gd__window *o, double t, double *scale)
+BOTH_KINDS double difference_at(const struct gd__window *c, const struct gd__window *o, double t, bool linear,
+                                double *scale)
 {
-    double dc = gd__window_distance(c, t), d_o = gd__window_distance(o, t);
-    *scale = size_at(c, t, dc) + size_at(o, t, d_o);
+    double dc = linear ? gd__window_distance(c, t) : gd__window_distance_of_point(c, t);
+    double d_o = linear ? gd__window_distance(o, t) : gd__window_distance_of_point(o, t);
+    *scale = linear ? size_at(c, t, dc) + size_at(o, t, d_o) : dc + d_o;
     return dc - d_o;
 }
 
-static enum winner winner_at(const struct gd__window *c, const struct gd__window *o, double t)
+BOTH_KINDS enum winner winner_at(const struct gd__window *c, const struct gd__window *o, double t, bool linear)
 {
-    double scale, difference = difference_at(c, o, t, &scale);
+    double scale, difference = difference_at(c, o, t, linear, &scale);
     return winner_of(difference, scale);
 }
 
 /* Where the winner changes exactly once but the quadratic is too ill-conditioned to say where. */
-static double bisect(const struct gd__window *c, const struct gd__window *o, double lo, double hi, enum winner at_lo)
+BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
+                         enum winner at_lo, bool linear)
 {
     for (int i = 0; i < BISECTIONS; i++) {
         double middle = 0.5 * (lo + hi);
-        if (winner_at(c, o, middle) == at_lo)
+        if (winner_at(c, o, middle, linear) == at_lo)
             lo = middle;
         else
             hi = middle;
@@ -234,65 +241,78 @@ static double bisect(const struct gd__window *c, const struct gd__window *o, dou
 }
 
 /* The same winner at both ends: it wins all of it, or the other wins a piece in the middle. */
-static struct gd__verdict settle_same_ends(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
-                                           enum winner at_ends)
+BOTH_KINDS struct gd__verdict settle_same_ends(const struct gd__window *c, const struct gd__window *o, double lo,
+                                               double hi, enum winner at_ends, bool linear)
 {
     struct gd__verdict verdict = all_to(at_ends);
-    if (roots_of(c, o, lo, hi, verdict.at) < 2) return verdict;
-    if (winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1])) == -at_ends) verdict.switches = 2;
+    if (roots_of(c, o, lo, hi, linear, verdict.at) < 2) return verdict;
+    if (winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), linear) == -at_ends) verdict.switches = 2;
     return verdict;
 }
 
-static struct gd__verdict settle_different_ends(const struct gd__window *c, const struct gd__window *o, double lo,
-                                                double hi, enum winner at_lo)
+BOTH_KINDS struct gd__verdict settle_different_ends(const struct gd__window *c, const struct gd__window *o, double lo,
+                                                    double hi, enum winner at_lo, bool linear)
 {
     struct gd__verdict verdict = all_to(at_lo);
-    int count = roots_of(c, o, lo, hi, verdict.at);
-    if (count == 0) verdict.at[0] = bisect(c, o, lo, hi, at_lo);
+    int count = roots_of(c, o, lo, hi, linear, verdict.at);
+    if (count == 0) verdict.at[0] = bisect(c, o, lo, hi, at_lo, linear);
     /* two roots and different ends: one is at an end, up to rounding; the middle tells which */
-    if (count == 2 && winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1])) == at_lo) verdict.at[0] = verdict.at[1];
+    if (count == 2 && winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), linear) == at_lo)
+        verdict.at[0] = verdict.at[1];
     verdict.switches = 1;
     return verdict;
 }
 
 /* Winner of a piece without a root inside: asked in its middle and at its places nearest to the two sources. */
-static enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+BOTH_KINDS enum winner winner_of_piece(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
+                                       bool linear)
 {
     double at[3] = {0.5 * (lo + hi), clamp(c->x, lo, hi), clamp(o->x, lo, hi)}; /* a linear window has no such place */
     for (int i = 0; i < 3; i++) {
-        enum winner winner = winner_at(c, o, at[i]);
+        enum winner winner = winner_at(c, o, at[i], linear);
         if (winner != TIE) return winner;
     }
     return OWNER;
 }
 
 /* A tie at an end: a root lies there up to rounding and is none of those inside, so each piece between roots is asked by itself. */
-static struct gd__verdict settle_tie(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+BOTH_KINDS struct gd__verdict settle_tie(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
+                                         bool linear)
 {
     double bound[4] = {lo};
-    int count = roots_of(c, o, lo, hi, bound + 1);
+    int count = roots_of(c, o, lo, hi, linear, bound + 1);
     bound[count + 1] = hi;
-    enum winner last = winner_of_piece(c, o, lo, bound[1]);
+    enum winner last = winner_of_piece(c, o, lo, bound[1], linear);
     struct gd__verdict verdict = all_to(last);
     for (int i = 1; i <= count; i++) {
-        enum winner winner = winner_of_piece(c, o, bound[i], bound[i + 1]);
+        enum winner winner = winner_of_piece(c, o, bound[i], bound[i + 1], linear);
         if (winner != last) verdict.at[verdict.switches++] = bound[i];
         last = winner;
     }
     return verdict;
 }
 
+BOTH_KINDS struct gd__verdict contest(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
+                                      bool linear)
+{
+    double scale_lo, scale_hi;
+    double d_lo = difference_at(c, o, lo, linear, &scale_lo), d_hi = difference_at(c, o, hi, linear, &scale_hi);
+    enum winner at_lo = winner_of(d_lo, scale_lo), at_hi = winner_of(d_hi, scale_hi);
+    if (fabs(d_lo + d_hi) >= 2 * (hi - lo) && at_lo == at_hi) return all_to(at_lo); /* D is 2-Lipschitz */
+    if (at_lo == TIE || at_hi == TIE) return settle_tie(c, o, lo, hi, linear);
+    if (at_lo != at_hi) return settle_different_ends(c, o, lo, hi, at_lo, linear);
+    return settle_same_ends(c, o, lo, hi, at_lo, linear);
+}
+
+static struct gd__verdict contest_linear(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+{
+    return contest(c, o, lo, hi, true);
+}
+
 struct gd__verdict gd__contest(const struct gd__window *challenger, const struct gd__window *owner, double lo,
                                double hi)
 {
-    bool are_points = !gd__window_is_linear(challenger) && !gd__window_is_linear(owner);
-    if (are_points && challenger->sigma == owner->sigma) return contest_equal(challenger, owner, lo, hi);
-    double scale_lo, scale_hi;
-    double d_lo = difference_at(challenger, owner, lo, &scale_lo),
-           d_hi = difference_at(challenger, owner, hi, &scale_hi);
-    enum winner at_lo = winner_of(d_lo, scale_lo), at_hi = winner_of(d_hi, scale_hi);
-    if (fabs(d_lo + d_hi) >= 2 * (hi - lo) && at_lo == at_hi) return all_to(at_lo); /* D is 2-Lipschitz */
-    if (at_lo == TIE || at_hi == TIE) return settle_tie(challenger, owner, lo, hi);
-    if (at_lo != at_hi) return settle_different_ends(challenger, owner, lo, hi, at_lo);
-    return settle_same_ends(challenger, owner, lo, hi, at_lo);
+    if (gd__source_is_linear(challenger->source | owner->source)) return contest_linear(challenger, owner, lo, hi);
+    if (challenger->sigma == owner->sigma) return contest_equal(challenger, owner, lo, hi);
+    return contest(challenger, owner, lo, hi, false);
 }

@@ -55,6 +55,13 @@ static inline double gd__window_distance(const struct gd__window *w, double t)
     return gd__window_distance_beyond(w, t, 0);
 }
 
+/* The same of a window that is not linear. */
+static inline double gd__window_distance_of_point(const struct gd__window *w, double t)
+{
+    double d = t - w->x;
+    return w->sigma + sqrt(d * d + w->y * w->y);
+}
+
 /* Shortest distance that the window gives anywhere on its interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
