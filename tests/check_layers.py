@@ -17,7 +17,7 @@ PUBLIC = {
     "io": ["io"],
     "wedge": ["cpu", "workspace"],
     "field": ["field", "path", "isoline", "voronoi"],
-    "query": ["query", "landmarks", "sampling"],
+    "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}
 

@@ -54,10 +54,17 @@ static bool make_room(struct trace *trace)
     return true;
 }
 
+/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins on. */
+static bool is_same_place(const struct gd_point *a, const struct gd_point *b)
+{
+    if (a->kind != GD_POINT_EDGE || b->kind != GD_POINT_EDGE || a->element != b->element) return gd_point_equal(a, b);
+    return fabs(a->weight[0] - b->weight[0]) <= GD_TOL_ON_BORDER;
+}
+
 static void append(struct trace *trace, struct gd_point point, double length)
 {
     struct gd_path *path = &trace->path;
-    if (trace->status || (path->count && gd_point_equal(&path->points[path->count - 1], &point))) return;
+    if (trace->status || (path->count && is_same_place(&path->points[path->count - 1], &point))) return;
     if (!make_room(trace)) return;
     path->points[path->count++] = point;
     path->length += length;
@@ -384,16 +391,16 @@ static void trace_back(struct trace *trace, const struct gd_point *point, const 
 
 /* One attempt; on success the path is the caller's, its length and the distance agree. */
 static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
-                               double snap, struct gd_path *out)
+                               double snap, struct gd_path *out, uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct trace trace = {.field = field,
                           .mesh = mesh,
                           .snap = snap,
                           .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
-    uint32_t seed = 0;
-    trace_back(&trace, point, leg, &seed);
-    double offset = field->seeds[seed].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
+    uint32_t end = 0;
+    trace_back(&trace, point, leg, &end);
+    double offset = field->seeds[end].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
     if (!trace.status && !(fabs(trace.path.length + offset - leg->distance) <= slack)) trace.status = GD_INTERNAL;
     if (trace.status) {
         gd_path_free(&trace.path);
@@ -401,18 +408,26 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
     }
     trace.path.length *= mesh->unit;
     *out = trace.path;
+    *seed = end;
     return GD_OK;
 }
 
-enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point, struct gd_path *out,
+                                     uint32_t *seed)
 {
     struct gd__leg leg = gd__field_leg(field, point);
     if (leg.distance > field->reach) return GD_BEYOND_REACH;
     if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
     enum gd_status status = GD_INTERNAL;
     for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
-        status = try_path(field, point, &leg, snap, out);
+        status = try_path(field, point, &leg, snap, out, seed);
     return status;
+}
+
+enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)
+{
+    uint32_t seed;
+    return gd_field_path_to_seed(field, point, out, &seed);
 }
 
 void gd_path_free(struct gd_path *path)

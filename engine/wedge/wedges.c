@@ -40,11 +40,12 @@ static void put(struct writer *writer, double b0, double x, double y, uint32_t s
     writer->count++;
 }
 
-/* A window reaches over what is hardly a gap, but not a linear one. */
+/* A window reaches over what is hardly a gap, but not a linear one: between two such there is the unit in which they meet. */
 static void put_gap(struct writer *writer, double until, bool linear)
 {
+    bool both = linear && writer->linear;
     double narrow = linear || writer->linear ? 0 : GD_TOL_ADJACENT * writer->length;
-    if (until > writer->end + narrow) put(writer, writer->end, 0, 0, GD_NONE);
+    if (both || until > writer->end + narrow) put(writer, writer->end, 0, 0, GD_NONE);
     writer->linear = linear;
 }
 

@@ -101,6 +101,10 @@ GD_MUST_USE enum gd_status gd_field_nearest(const struct gd_field *field, const 
 GD_MUST_USE enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point,
                                          struct gd_path *out);
 
+/* The same, and the number of the seed in which the path ends: where several are as near up to rounding, perhaps not the one that gd_field_nearest tells. */
+GD_MUST_USE enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point,
+                                                 struct gd_path *out, uint32_t *seed);
+
 /* The gradient of the distance at a point: the unit vector in the plane of a face in which the distance grows, that is the direction of the
  * shortest path's last leg, away from the source. The face is the one through which that leg comes: at a point of an edge or a vertex another face
  * around it may have it turned into its own plane. Where several shortest paths arrive there is no gradient in the strict sense: the answer

@@ -1,0 +1,70 @@
+#include "mesh/towards.h"
+
+#include <math.h>
+
+static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face)
+{
+    double weight[3];
+    if (face == GD_NONE) return false;
+    if (point->kind == GD_POINT_FACE) return point->element == face;
+    gd__point_weights(mesh, point, face, weight);
+    return weight[0] + weight[1] + weight[2] > 0;
+}
+
+/* From side k of a face, in whose frame both lie. Differences are taken of the weights, which keep small ones. */
+static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *at,
+                            const struct gd_point *to)
+{
+    uint32_t face = mesh->side_face[side];
+    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    double from[3], there[3];
+    gd__point_weights(mesh, at, face, from);
+    gd__point_weights(mesh, to, face, there);
+    struct gd__local d = gd__side_local(&mesh->side[side], there[l] - from[l], there[m] - from[m]);
+    return atan2(d.y, d.x);
+}
+
+/* From the first entry of the vertex' fan. */
+static double angle_at_vertex(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+{
+    for (uint32_t i = mesh->fan_first[at->element]; i < mesh->fan_first[at->element + 1]; i++) {
+        uint32_t side = mesh->fan[i].side;
+        if (is_in_face(mesh, to, mesh->side_face[side])) return mesh->fan[i].angle + angle_in_face(mesh, side, at, to);
+    }
+    return NAN;
+}
+
+/* From the direction of the edge's side 0. */
+static double angle_at_edge(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+{
+    for (uint32_t k = 0; k < 2; k++) {
+        uint32_t side = 2 * at->element + k;
+        if (is_in_face(mesh, to, mesh->side_face[side])) return k * M_PI + angle_in_face(mesh, side, at, to);
+    }
+    return NAN;
+}
+
+static double angle_towards(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *to)
+{
+    switch (at->kind) {
+    case GD_POINT_VERTEX:
+        return angle_at_vertex(mesh, at, to);
+    case GD_POINT_EDGE:
+        return angle_at_edge(mesh, at, to);
+    case GD_POINT_FACE:
+        break;
+    }
+    return is_in_face(mesh, to, at->element) ? angle_in_face(mesh, mesh->face_side[at->element][0], at, to) : NAN;
+}
+
+double gd__angle_between(const struct gd_mesh *mesh, const struct gd_point *at, const struct gd_point *a,
+                         const struct gd_point *b)
+{
+    double apart = fabs(angle_towards(mesh, at, a) - angle_towards(mesh, at, b)), total = 2 * M_PI;
+    if (at->kind == GD_POINT_VERTEX) {
+        if (mesh->vertex_kind[at->element] == GD_VERTEX_BOUNDARY) return apart;
+        total = mesh->total_angle[at->element];
+    }
+    return fabs(remainder(apart, total));
+}

@@ -1,0 +1,48 @@
+/* Curve: how a client says where a curve runs on a surface. One of
+ *     {"points": [point…], "closed"?}   consecutive points joined by shortest paths
+ *     {"vertices": [index…], "closed"?} consecutive vertices share an edge
+ *     {"boundary": index}               a boundary loop, by its place in the description
+ * Decoding needs no mesh; locating puts the points on one; gd_curve_resolve makes the polyline, which takes its time. */
+#ifndef PROTO_CURVE_H
+#define PROTO_CURVE_H
+
+#include <jansson.h>
+
+#include "gd/curve.h"
+#include "proto/points.h"
+
+#define PROTO_CURVE_POINTS   4096 /* each is a search */
+#define PROTO_CURVE_VERTICES (1 << 20)
+
+/* All zero is an empty curve. */
+struct proto_curve {
+    enum gd_curve_kind kind;
+    bool closed;
+    char place[PROTO_POINT_PLACE]; /* where it stood in the request */
+    struct proto_points points;
+    struct gd_vertex *vertices; /* owned, vertex_count of them */
+    uint32_t vertex_count;
+    uint32_t boundary;
+};
+
+/* `pointer`: the JSON Pointer of `value`, copied. invalid_request (also for splines, which are not taken as yet), too_large,
+ * insufficient_memory. The caller frees the curve by proto_curve_free. */
+bool proto_curve_decode(const json_t *value, const char *pointer, struct proto_curve *out,
+                        struct proto_problem *problem);
+void proto_curve_free(struct proto_curve *curve); /* leaves an empty curve; a second time is harmless */
+
+/* A curve on its mesh, all zero: none. */
+struct proto_located_curve {
+    struct gd_curve_request request; /* of the memory below */
+    char place[PROTO_POINT_PLACE];
+    struct proto_located_points points;
+    struct gd_vertex *vertices;
+};
+
+/* proto_point_locate for each point; vertices and boundary are for gd_curve_resolve to look up, whose problems are at `place`. Takes the
+ * vertices out of the curve, which is still to be freed. Its problems, and insufficient_memory. */
+bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve, struct proto_located_curve *out,
+                        struct proto_problem *problem);
+void proto_located_curve_free(struct proto_located_curve *located); /* leaves none */
+
+#endif
