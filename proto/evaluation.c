@@ -83,15 +83,15 @@ void proto_results_end(struct proto_writer *writer)
 }
 
 static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *mesh, const struct proto_located_set *set,
-                           uint32_t member)
+                           const struct proto_result *result)
 {
     proto_write_object_begin(writer);
     proto_write_key(writer, "index");
-    proto_write_uint(writer, member);
+    proto_write_uint(writer, result->member);
     proto_write_key(writer, "label");
-    proto_write_string(writer, proto_located_set_label(set, member));
+    proto_write_string(writer, proto_located_set_label(set, result->member));
     proto_write_key(writer, "point");
-    proto_point_encode(writer, mesh, &set->seeds[member].point, NAN);
+    proto_point_encode(writer, mesh, &result->nearest, NAN);
     proto_write_object_end(writer);
 }
 
@@ -140,7 +140,7 @@ void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh
     proto_write_object_begin(writer);
     encode_distance(writer, result->distance, wanted);
     if (wanted & PROTO_RESULT_FIELD_NEAREST && encode_key(writer, "nearest", isfinite(result->distance)))
-        encode_nearest(writer, mesh, set, result->member);
+        encode_nearest(writer, mesh, set, result);
     if (wanted & PROTO_RESULT_FIELD_PATH && encode_key(writer, "path", result->path))
         proto_path_encode(writer, mesh, result->path, geometry);
     if (wanted & PROTO_RESULT_FIELD_GRADIENT && encode_key(writer, "gradient", result->has_gradient))

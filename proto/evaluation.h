@@ -43,7 +43,8 @@ uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation, cons
 
 struct proto_result {
     double distance;            /* INFINITY: no path; NAN: beyond the distance that was asked for */
-    uint32_t member;            /* the nearest, if there is a distance */
+    uint32_t member;            /* the nearest, if there is a distance, */
+    struct gd_point nearest;    /* and the point of it that is */
     const struct gd_path *path; /* NULL: there is none, or it is not wanted */
     bool has_gradient;
     struct gd_direction gradient;

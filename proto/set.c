@@ -39,139 +39,167 @@ static bool decode_label(const json_t *value, const char *place, const char **ou
     return true;
 }
 
-/* What is a member's own aside, a member is a point. */
-static bool decode_point(const json_t *value, const char *place, struct proto_point *out, struct proto_problem *problem)
+/* What a member is, its offset and label aside; a new reference, NULL without memory. */
+static json_t *without_naming(const json_t *value)
 {
-    if (!json_object_get(value, "offset") && !json_object_get(value, "label"))
-        return proto_point_decode(value, place, out, problem);
-    json_t *point = json_copy((json_t *)value);
-    if (!point) return refuse_memory(problem);
-    json_object_del(point, "offset");
-    json_object_del(point, "label");
-    bool ok = proto_point_decode(point, place, out, problem);
-    json_decref(point);
+    if (!json_object_get(value, "offset") && !json_object_get(value, "label")) return json_incref((json_t *)value);
+    json_t *bare = json_copy((json_t *)value);
+    if (!bare) return NULL;
+    json_object_del(bare, "offset");
+    json_object_del(bare, "label");
+    return bare;
+}
+
+/* The kinds of members: an array each, of which every element is decoded to one more member of the set. */
+struct kind {
+    const char *name;
+    uint32_t most;
+    bool (*decode)(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem);
+};
+
+static bool decode_point(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem)
+{
+    return proto_point_decode(value, place, &set->points[set->point_count], problem) && ++set->point_count;
+}
+
+static bool decode_curve(const json_t *value, const char *place, struct proto_set *set, struct proto_problem *problem)
+{
+    return proto_curve_decode(value, place, &set->curves[set->curve_count], problem) && ++set->curve_count;
+}
+
+/* An index, or an object that says it. */
+static bool decode_boundary(const json_t *value, const char *place, struct proto_set *set,
+                            struct proto_problem *problem)
+{
+    if (!json_is_number(value)) return decode_curve(value, place, set, problem);
+    json_t *curve = json_pack("{s:O}", "boundary", value);
+    if (!curve) return refuse_memory(problem);
+    bool ok = decode_curve(curve, place, set, problem);
+    json_decref(curve);
     return ok;
 }
 
-static bool decode_member(const json_t *value, const char *place, struct proto_member *out,
+static const struct kind kinds[] = {{"points", PROTO_SET_MEMBERS, decode_point},
+                                    {"curves", PROTO_SET_CURVES, decode_curve},
+                                    {"boundaries", PROTO_SET_CURVES, decode_boundary}};
+enum { POINTS, CURVES, BOUNDARIES, KINDS };
+
+static bool decode_member(const struct kind *kind, const json_t *value, const char *place, struct proto_set *set,
                           struct proto_problem *problem)
 {
-    return decode_point(value, place, &out->point, problem) && decode_offset(value, place, &out->offset, problem) &&
-           decode_label(value, place, &out->label, problem);
+    struct proto_naming *naming = &set->namings[set->point_count + set->curve_count];
+    if (!decode_offset(value, place, &naming->offset, problem) || !decode_label(value, place, &naming->label, problem))
+        return false;
+    json_t *bare = without_naming(value);
+    if (!bare) return refuse_memory(problem);
+    bool ok = kind->decode(bare, place, set, problem);
+    json_decref(bare);
+    return ok;
 }
 
 /* --- the set ---------------------------------------------------------------------------------------------------- */
 
-static bool refuse_curves(const json_t *value, const char *pointer, struct proto_problem *problem)
+static bool refuse_number(const struct kind *kind, const char *pointer, struct proto_problem *problem)
 {
-    static const char *const kinds[] = {"curves", "boundaries"};
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (!json_object_get(value, kinds[i])) continue;
-        proto_problem_refuse(problem, pointer, "sets of %s are not taken by this version; name points", kinds[i]);
-        return proto_problem_descend(problem, kinds[i]);
-    }
-    return true;
+    proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "a set may have %u %s at most", kind->most, kind->name);
+    proto_problem_at(problem, pointer);
+    proto_problem_limit(problem, kind->most);
+    return proto_problem_descend(problem, kind->name);
 }
 
-/* The array of members, or NULL. */
-static const json_t *find_members(const json_t *value, const char *pointer, struct proto_problem *problem)
+static bool is_all(const json_t *value)
+{
+    return json_is_string(value) && strcmp(json_string_value(value), "all") == 0;
+}
+
+/* The arrays, checked for their sizes; those that are not there are NULL. */
+static bool find_arrays(const json_t *value, const char *pointer, const json_t *arrays[KINDS],
+                        struct proto_problem *problem)
 {
     static const char *const members[] = {"points", "curves", "boundaries", NULL};
-    if (!proto_decode_object(value, pointer, members, problem) || !refuse_curves(value, pointer, problem)) return NULL;
-    const json_t *points = proto_decode_member(value, pointer, "points", problem);
-    if (!points) return NULL;
-    size_t count = json_array_size(points); /* 0 when it is no array */
-    if (count > 0 && count <= PROTO_SET_MEMBERS) return points;
-    if (count == 0) {
-        proto_problem_refuse(problem, pointer, "expected an array of points, one at least");
-    } else {
-        proto_problem_set(problem, PROTO_PROBLEM_TOO_LARGE, "a set may have %d members at most", PROTO_SET_MEMBERS);
-        proto_problem_at(problem, pointer);
-        proto_problem_limit(problem, PROTO_SET_MEMBERS);
+    size_t count = 0;
+    if (!proto_decode_object(value, pointer, members, problem)) return false;
+    for (int k = 0; k < KINDS; k++) {
+        const json_t *array = json_object_get(value, kinds[k].name);
+        bool all = k == BOUNDARIES && is_all(array);
+        arrays[k] = all ? NULL : array;
+        if (array && !all && !json_is_array(array)) {
+            proto_problem_refuse(problem, pointer, "expected an array of %s%s", kinds[k].name,
+                                 k == BOUNDARIES ? ", or \"all\"" : "");
+            return proto_problem_descend(problem, kinds[k].name);
+        }
+        if (json_array_size(arrays[k]) > kinds[k].most) return refuse_number(&kinds[k], pointer, problem);
+        count += all ? 1 : json_array_size(arrays[k]);
     }
-    proto_problem_descend(problem, "points");
-    return NULL;
+    return count || proto_problem_refuse(problem, pointer,
+                                         "name one member at least, among \"points\", \"curves\" and \"boundaries\"");
+}
+
+static bool make_room(struct proto_set *set, const json_t *const arrays[KINDS], struct proto_problem *problem)
+{
+    size_t points = json_array_size(arrays[POINTS]),
+           curves = json_array_size(arrays[CURVES]) + json_array_size(arrays[BOUNDARIES]);
+    set->points = malloc((points + 1) * sizeof *set->points);
+    set->curves = malloc((curves + 1) * sizeof *set->curves);
+    set->namings = malloc((points + curves + 1) * sizeof *set->namings);
+    return (set->points && set->curves && set->namings) || refuse_memory(problem);
+}
+
+static bool decode_kind(const struct kind *kind, const json_t *array, const char *pointer, struct proto_set *set,
+                        struct proto_problem *problem)
+{
+    for (size_t i = 0; i < json_array_size(array); i++) {
+        char place[PROTO_POINT_PLACE];
+        snprintf(place, sizeof place, "%s/%s/%zu", pointer, kind->name, i);
+        if (!decode_member(kind, json_array_get(array, i), place, set, problem)) return false;
+    }
+    return true;
 }
 
 bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set *out, struct proto_problem *problem)
 {
-    const json_t *points = find_members(value, pointer, problem);
-    if (!points) return false;
-    struct proto_set set = {.count = (uint32_t)json_array_size(points)};
-    set.members = malloc(set.count * sizeof *set.members);
-    if (!set.members) return refuse_memory(problem);
-    for (uint32_t i = 0; i < set.count; i++) {
-        char place[PROTO_POINT_PLACE];
-        snprintf(place, sizeof place, "%s/points/%u", pointer, i);
-        if (decode_member(json_array_get(points, i), place, &set.members[i], problem)) continue;
+    const json_t *arrays[KINDS];
+    if (!find_arrays(value, pointer, arrays, problem)) return false;
+    struct proto_set set = {.all_boundaries = is_all(json_object_get(value, "boundaries")),
+                            .document = json_incref((json_t *)value)};
+    bool ok = make_room(&set, arrays, problem);
+    for (int k = 0; k < KINDS && ok; k++) ok = decode_kind(&kinds[k], arrays[k], pointer, &set, problem);
+    if (ok)
+        *out = set;
+    else
         proto_set_free(&set);
-        return false;
-    }
-    *out = set;
-    return true;
+    return ok;
+}
+
+bool proto_set_decode_curve(const json_t *object, const char *member, struct proto_set *out,
+                            struct proto_problem *problem)
+{
+    const json_t *value = proto_decode_member(object, "", member, problem), *arrays[KINDS] = {NULL};
+    char place[PROTO_POINT_PLACE];
+    if (!value) return false;
+    struct proto_set set = {.document = json_incref((json_t *)value)};
+    snprintf(place, sizeof place, "/%s", member);
+    bool ok = make_room(&set, arrays, problem);
+    set.namings[0] = (struct proto_naming){0};
+    if (ok) ok = decode_curve(value, place, &set, problem);
+    if (ok)
+        *out = set;
+    else
+        proto_set_free(&set);
+    return ok;
 }
 
 void proto_set_free(struct proto_set *set)
 {
-    free(set->members);
+    for (uint32_t i = 0; i < set->curve_count; i++) proto_curve_free(&set->curves[i]);
+    free(set->points);
+    free(set->curves);
+    free(set->namings);
+    json_decref(set->document);
     *set = (struct proto_set){0};
 }
 
-/* --- onto the mesh ---------------------------------------------------------------------------------------------- */
-
-static size_t label_size(const struct proto_set *set)
+bool proto_set_is_quick(const struct proto_set *set)
 {
-    size_t size = 0;
-    for (uint32_t i = 0; i < set->count; i++)
-        if (set->members[i].label) size += strlen(set->members[i].label) + 1;
-    return size;
-}
-
-static bool locate_seeds(const struct gd_mesh *mesh, const struct proto_set *set, struct gd_seed *seeds,
-                         struct proto_problem *problem)
-{
-    double snap_distance;
-    for (uint32_t i = 0; i < set->count; i++) {
-        if (!proto_point_locate(mesh, &set->members[i].point, &seeds[i].point, &snap_distance, problem)) return false;
-        seeds[i].offset = set->members[i].offset;
-    }
-    return true;
-}
-
-static void copy_labels(const struct proto_set *set, uint32_t *offsets, char *labels)
-{
-    size_t used = 0;
-    for (uint32_t i = 0; i < set->count; i++) {
-        const char *label = set->members[i].label;
-        offsets[i] = label ? (uint32_t)used : UINT32_MAX;
-        if (label) used = (size_t)(stpcpy(labels + used, label) + 1 - labels);
-    }
-}
-
-struct proto_located_set *proto_set_locate(const struct gd_mesh *mesh, const struct proto_set *set,
-                                           struct proto_problem *problem)
-{
-    size_t text = label_size(set);
-    size_t bytes = sizeof(struct proto_located_set) + set->count * (sizeof(struct gd_seed) + sizeof(uint32_t)) + text;
-    struct proto_located_set *located = malloc(bytes);
-    if (!located) {
-        refuse_memory(problem);
-        return NULL;
-    }
-    struct gd_seed *seeds = (struct gd_seed *)(located + 1);
-    uint32_t *offsets = (uint32_t *)(seeds + set->count);
-    char *labels = (char *)(offsets + set->count);
-    if (!locate_seeds(mesh, set, seeds, problem)) {
-        free(located);
-        return NULL;
-    }
-    copy_labels(set, offsets, labels);
-    *located = (struct proto_located_set){set->count, seeds, offsets, labels, text, bytes};
-    return located;
-}
-
-const char *proto_located_set_label(const struct proto_located_set *set, uint32_t member)
-{
-    uint32_t at = set->label_offsets[member];
-    return at == UINT32_MAX ? NULL : set->labels + at;
+    return !set->curve_count && !set->all_boundaries;
 }

@@ -57,7 +57,7 @@ void server_resource_release(struct server_resource *resource)
 struct gd_field_request server_resource_request(const struct server_resource *resource)
 {
     return (struct gd_field_request){.seeds = resource->set->seeds,
-                                     .seed_count = resource->set->count,
+                                     .seed_count = resource->set->seed_count,
                                      .radius = resource->description.max_distance};
 }
 
@@ -69,7 +69,8 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));
     proto_append(&text, (const char *)&max_distance, sizeof max_distance);
-    proto_append(&text, (const char *)set->seeds, set->count * sizeof *set->seeds);
+    proto_append(&text, (const char *)set->seeds, set->seed_count * sizeof *set->seeds);
+    proto_append(&text, (const char *)set->members, set->seed_count * sizeof *set->members);
     proto_append(&text, (const char *)set->label_offsets, set->count * sizeof *set->label_offsets);
     proto_append(&text, set->labels, set->label_size);
     bool ok = text.failure == PROTO_WRITER_FINE;

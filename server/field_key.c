@@ -17,12 +17,24 @@ static uint64_t mix_number(uint64_t hash, double number)
     return mix(hash, bits);
 }
 
-static uint64_t mix_seed(uint64_t hash, const struct gd_seed *seed)
+static uint64_t mix_point(uint64_t hash, const struct gd_point *point)
 {
-    const struct gd_point *point = &seed->point;
     hash = mix(mix(hash, (uint64_t)point->kind), point->element);
     for (int i = 0; i < 3; i++) hash = mix_number(hash, point->weight[i]);
+    return hash;
+}
+
+static uint64_t mix_seed(uint64_t hash, const struct gd_seed *seed)
+{
+    hash = mix_point(hash, &seed->point);
+    if (seed->is_segment) hash = mix_point(hash, &seed->end);
     return mix_number(hash, seed->offset);
+}
+
+static bool is_same_seed(const struct gd_seed *a, const struct gd_seed *b)
+{
+    if (!gd_point_equal(&a->point, &b->point) || a->offset != b->offset || a->is_segment != b->is_segment) return false;
+    return !a->is_segment || gd_point_equal(&a->end, &b->end);
 }
 
 struct server_field_key server_field_key_of(const struct gd_field_request *request)
@@ -36,8 +48,7 @@ bool server_field_key_equal(const struct server_field_key *a, const struct serve
 {
     if (a->hash != b->hash || a->radius != b->radius || a->seed_count != b->seed_count) return false;
     for (uint32_t i = 0; i < a->seed_count; i++)
-        if (!gd_point_equal(&a->seeds[i].point, &b->seeds[i].point) || a->seeds[i].offset != b->seeds[i].offset)
-            return false;
+        if (!is_same_seed(&a->seeds[i], &b->seeds[i])) return false;
     return true;
 }
 
@@ -64,5 +75,5 @@ struct server_field_key server_field_key_of_point(const struct gd_point *source,
 
 bool server_field_key_is_point(const struct server_field_key *key)
 {
-    return key->seed_count == 1 && key->seeds[0].offset == 0 && key->radius == 0;
+    return key->seed_count == 1 && !key->seeds[0].is_segment && key->seeds[0].offset == 0 && key->radius == 0;
 }

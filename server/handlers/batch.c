@@ -31,9 +31,9 @@ struct batch {
     struct proto_writer writer;
 };
 
-static const struct server_query_kind *const kinds[] = {&server_query_distance, &server_query_path,
-                                                        &server_query_nearest, &server_query_matrix,
-                                                        &server_query_distance_to_set};
+static const struct server_query_kind *const kinds[] = {&server_query_distance,        &server_query_path,
+                                                        &server_query_nearest,         &server_query_matrix,
+                                                        &server_query_distance_to_set, &server_query_curve_distance};
 
 static void free_batch(void *state)
 {

@@ -44,20 +44,6 @@ static enum gd_status limit_distances(const struct server_evaluation *evaluation
 
 /* --- one point ---------------------------------------------------------------------------------------------------- */
 
-/* The member in which the path ends: of several that are as near, it need not be the nearest that the field tells. */
-static uint32_t member_at(const struct proto_located_set *set, const struct gd_point *end, uint32_t nearest)
-{
-    if (gd_point_equal(&set->seeds[nearest].point, end)) return nearest;
-    uint32_t best = nearest;
-    double least = INFINITY;
-    for (uint32_t i = 0; i < set->count; i++) {
-        if (set->seeds[i].offset >= least || !gd_point_equal(&set->seeds[i].point, end)) continue;
-        least = set->seeds[i].offset;
-        best = i;
-    }
-    return best;
-}
-
 /* The shortest path goes back the way that the gradient goes on. At a member there is none: the distance grows in all directions. */
 static enum gd_status find_gradient(const struct server_evaluation *evaluation, const struct gd_field *field,
                                     const struct gd_point *point, struct proto_result *result)
@@ -74,23 +60,37 @@ static enum gd_status find_gradient(const struct server_evaluation *evaluation, 
     return GD_OK;
 }
 
+/* The nearest member, and the point of it: of a point's that is the point, of a segment's it is where the path ends. *path: traced where it is needed. Of
+ * several that are as near, the path need not end in the one that the field tells. */
+static enum gd_status find_nearest(const struct server_evaluation *evaluation, const struct gd_field *field,
+                                   const struct gd_point *point, struct proto_result *result, struct gd_path *path)
+{
+    const struct proto_located_set *set = evaluation->field.set;
+    enum gd_status status = GD_OK;
+    uint32_t seed = 0;
+    double distance;
+    bool traces = evaluation->wanted & PROTO_RESULT_FIELD_PATH;
+    if (!traces && set->seed_count > 1) status = gd_field_nearest(field, point, &distance, &seed);
+    if (status) return status;
+    traces |= set->seeds[seed].is_segment;
+    if (traces) status = gd_field_path_to_seed(field, point, path, &seed);
+    if (status) return status;
+    result->member = set->members[seed];
+    result->nearest = traces ? path->points[path->count - 1] : set->seeds[seed].point;
+    return GD_OK;
+}
+
 /* A result with what is wanted besides the distance; its path, if it has one, is `path`, to be freed. */
 static enum gd_status complete(const struct server_evaluation *evaluation, const struct gd_field *field,
                                const struct gd_point *point, struct proto_result *result, struct gd_path *path)
 {
-    double distance;
     enum gd_status status = GD_OK;
     if (!isfinite(result->distance)) return GD_OK;
-    if (evaluation->wanted & PROTO_RESULT_FIELD_NEAREST && evaluation->field.set->count > 1)
-        status = gd_field_nearest(field, point, &distance, &result->member);
+    if (evaluation->wanted & (PROTO_RESULT_FIELD_NEAREST | PROTO_RESULT_FIELD_PATH))
+        status = find_nearest(evaluation, field, point, result, path);
     if (!status && evaluation->wanted & PROTO_RESULT_FIELD_GRADIENT)
         status = find_gradient(evaluation, field, point, result);
-    if (!status && evaluation->wanted & PROTO_RESULT_FIELD_PATH) {
-        status = gd_field_path(field, point, path);
-        if (status) return status;
-        result->path = path;
-        result->member = member_at(evaluation->field.set, &path->points[path->count - 1], result->member);
-    }
+    if (evaluation->wanted & PROTO_RESULT_FIELD_PATH) result->path = path;
     return status;
 }
 
@@ -155,7 +155,9 @@ static enum server_query_turn answer(struct server_field_query *query, const str
 static bool is_quick(const struct server_evaluation *evaluation)
 {
     uint32_t count = evaluation->points.count;
-    if (!(evaluation->wanted & PROTO_RESULT_FIELD_PATH)) return count <= QUICK_POINTS;
+    const struct proto_located_set *set = evaluation->field.set;
+    bool traces = evaluation->wanted & PROTO_RESULT_FIELD_PATH || !set || set->has_segments;
+    if (!traces) return count <= QUICK_POINTS;
     return count <= QUICK_PATHS && gd_mesh_summary(evaluation->points.mesh)->faces <= QUICK_PATH_FACES;
 }
 

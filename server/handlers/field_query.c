@@ -6,16 +6,50 @@
 
 #include "server/cache.h"
 #include "server/field_build.h"
+#include "server/handlers/set_resolve.h"
 
 #define WHAT        "the field"
-#define BUILD_SHARE 0.9 /* of the work, when the field is not there */
+#define SET_SHARE   0.2 /* of the work, when the set is to be put on the mesh, */
+#define BUILD_SHARE 0.9 /* and when the field is not there */
 
 /* --- which field -------------------------------------------------------------------------------------------------- */
 
-void server_field_query_of_set(struct server_field_query *query, struct proto_located_set *set, double max_distance)
+void server_field_query_of_located(struct server_field_query *query, const struct proto_located_set *set,
+                                   double max_distance)
 {
-    query->set = query->own_set = set;
-    query->request = (struct gd_field_request){.seeds = set->seeds, .seed_count = set->count, .radius = max_distance};
+    query->set = set;
+    query->request =
+        (struct gd_field_request){.seeds = set->seeds, .seed_count = set->seed_count, .radius = max_distance};
+}
+
+/* The pending set is on the mesh. */
+static bool take(struct server_field_query *query, struct proto_located_set *located, struct proto_problem *problem)
+{
+    query->own_set = located;
+    proto_set_free(&query->pending);
+    server_field_query_of_located(query, located, query->max_distance);
+    return !query->located || query->located(query, problem);
+}
+
+bool server_field_query_of_set(struct server_field_query *query, struct proto_set *set, double max_distance,
+                               struct proto_problem *problem)
+{
+    struct proto_located_set *located;
+    query->pending = *set;
+    query->max_distance = max_distance;
+    *set = (struct proto_set){0};
+    if (!proto_set_is_quick(&query->pending)) return true;
+    if (proto_set_locate(query->query.surface->mesh, &query->pending, NULL, NULL, &located, problem)) return false;
+    return take(query, located, problem);
+}
+
+static bool resolve(struct server_field_query *query, struct proto_problem *problem)
+{
+    struct server_monitor part = server_query_monitor(&query->query, 0, SET_SHARE);
+    struct proto_located_set *located;
+    if (!server_set_resolve(&query->query, &part, &query->pending, &located, problem)) return false;
+    query->held = located->bytes;
+    return take(query, located, problem);
 }
 
 struct server_resource *server_find_resource(const struct server_exchange *exchange, struct server_record *record,
@@ -104,6 +138,7 @@ static enum server_cache_turn claim(struct server_field_query *query, enum gd_st
 enum server_query_turn server_field_query_glance(struct server_query *query, struct proto_problem *problem)
 {
     struct server_field_query *own = (struct server_field_query *)query;
+    if (!own->set) return SERVER_QUERY_AGAIN;
     return look(own) && own->is_quick ? answer_by_pin(own, problem) : SERVER_QUERY_AGAIN;
 }
 
@@ -112,13 +147,14 @@ bool server_field_query_join(struct server_query *query)
 {
     struct server_field_query *own = (struct server_field_query *)query;
     enum gd_status why;
-    return !own->pin && claim(own, &why) == SERVER_CACHE_WAIT;
+    return own->set && !own->pin && claim(own, &why) == SERVER_CACHE_WAIT;
 }
 
 enum server_query_turn server_field_query_solve(struct server_query *query, struct proto_problem *problem)
 {
     struct server_field_query *own = (struct server_field_query *)query;
     enum gd_status why;
+    if (!own->set && !(own->prepare ? own->prepare : resolve)(own, problem)) return SERVER_QUERY_FAILED;
     if (own->flight) return fly(own, problem);
     if (own->pin || look(own)) return answer_by_pin(own, problem);
     switch (claim(own, &why)) {
@@ -140,5 +176,6 @@ void server_field_query_release(struct server_query *query)
     if (own->flight) server_cache_fail(own->flight, GD_CANCELLED);
     server_cache_unpin(own->pin);
     server_resource_release(own->resource);
-    free(own->own_set);
+    proto_set_free(&own->pending);
+    server_set_release(query, own->own_set, own->held);
 }

@@ -8,6 +8,7 @@
 #include "server/cache.h"
 #include "server/handlers/field_query.h"
 #include "server/handlers/request.h"
+#include "server/handlers/set_resolve.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -30,15 +31,13 @@ static bool is_listed(struct making *making)
     return catalogue && server_catalogue_find(catalogue, making->id, &field->resource) == SERVER_CATALOGUE_FOUND;
 }
 
-static bool locate(struct making *making, const struct proto_field_request *wanted, struct proto_problem *problem)
+static bool name(struct server_field_query *query, struct proto_problem *problem)
 {
-    const struct server_surface *surface = making->field.query.surface;
-    struct proto_located_set *set = proto_set_locate(surface->mesh, &wanted->set, problem);
-    if (!set) return false;
-    server_field_query_of_set(&making->field, set, wanted->max_distance);
-    if (!server_resource_name(surface->record->etag, set, wanted->max_distance, making->id))
+    struct making *making = (struct making *)query;
+    const char *etag = query->query.surface->record->etag;
+    if (!server_resource_name(etag, query->set, query->request.radius, making->id))
         return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    making->field.is_quick = is_listed(making);
+    query->is_quick = is_listed(making);
     return true;
 }
 
@@ -75,6 +74,8 @@ static enum gd_status list(struct making *making, const struct proto_field_descr
     field->resource = server_resource_create(making->id, field->own_set, description, budget);
     if (!field->resource) return GD_BUDGET;
     field->own_set = NULL;
+    server_set_release(&field->query, NULL, field->held);
+    field->held = 0;
     making->is_new = server_catalogue_add(catalogue, &field->resource);
     field->set = field->resource->set;
     field->request = server_resource_request(field->resource);
@@ -98,7 +99,8 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     struct proto_field_request wanted;
     if (!proto_field_decode(document, &wanted, problem)) return false;
     making->field.answer = answer;
-    bool ok = locate(making, &wanted, problem);
+    making->field.located = name;
+    bool ok = server_field_query_of_set(&making->field, &wanted.set, wanted.max_distance, problem);
     proto_set_free(&wanted.set);
     return ok;
 }

@@ -39,6 +39,9 @@ void server_handle_batch(struct server_exchange *exchange);
 /* sets.c */
 void server_handle_distance_to_set(struct server_exchange *exchange);
 
+/* curve_distance.c */
+void server_handle_curve_distance(struct server_exchange *exchange);
+
 /* fields.c */
 void server_handle_create_field(struct server_exchange *exchange);
 void server_handle_list_fields(struct server_exchange *exchange);

@@ -54,6 +54,7 @@ extern const struct server_query_kind server_query_distance, server_query_path; 
 extern const struct server_query_kind server_query_nearest;                     /* nearest.c */
 extern const struct server_query_kind server_query_matrix;                      /* matrix.c */
 extern const struct server_query_kind server_query_distance_to_set;             /* sets.c */
+extern const struct server_query_kind server_query_curve_distance;              /* curve_distance.c */
 
 /* A query before its first step, of all of the exchange's work; it retains the surface. NULL without memory. */
 struct server_query *server_query_create(const struct server_query_kind *kind, struct server_exchange *exchange,

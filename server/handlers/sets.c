@@ -3,13 +3,11 @@
 
 #include "server/handlers/evaluation.h"
 
-static bool locate(struct server_evaluation *evaluation, const struct proto_set *set,
-                   const struct proto_evaluation *wanted, struct proto_problem *problem)
+static bool locate(struct server_evaluation *evaluation, struct proto_set *set, const struct proto_evaluation *wanted,
+                   struct proto_problem *problem)
 {
-    struct proto_located_set *located = proto_set_locate(evaluation->field.query.surface->mesh, set, problem);
-    if (!located) return false;
-    server_field_query_of_set(&evaluation->field, located, 0);
-    return server_evaluation_locate(evaluation, wanted, problem);
+    return server_field_query_of_set(&evaluation->field, set, 0, problem) &&
+           server_evaluation_locate(evaluation, wanted, problem);
 }
 
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)

@@ -180,13 +180,11 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     struct proto_voronoi wanted;
     if (!proto_voronoi_decode(document, &wanted, problem)) return false;
     const struct proto_isolines lines = {.tolerance = wanted.tolerance}; /* their polylines are as fine */
-    struct proto_located_set *set = proto_set_locate(query->surface->mesh, &wanted.set, problem);
-    proto_set_free(&wanted.set);
-    if (!set) return false;
     voronoi->tolerance = proto_isolines_tolerance(&lines, query->surface->mesh);
     voronoi->field.answer = answer;
-    server_field_query_of_set(&voronoi->field, set, 0);
-    return true;
+    bool ok = server_field_query_of_set(&voronoi->field, &wanted.set, 0, problem);
+    proto_set_free(&wanted.set);
+    return ok;
 }
 
 static void encode(const struct server_query *query, struct proto_writer *writer)

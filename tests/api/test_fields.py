@@ -124,7 +124,7 @@ class Life(Fields):
             (vertices(0, radius=1), "/radius"),
             (vertices(0, max_distance=0), "/max_distance"),
             (vertices(9), "/set/points/0"),
-            ({"set": {"curves": [{"boundary": 0}]}}, "/set/curves"),
+            ({"set": {"curves": [{"vertices": [0, 9]}]}}, "/set/curves/0"),
         ):
             problem = self.assert_problem(self.daemon.ask("refusals", "fields", document), 400, "invalid_request")
             self.assertEqual(problem["pointer"], pointer)

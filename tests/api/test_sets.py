@@ -126,9 +126,9 @@ class Sets(TestCase):
 
     def test_refusals(self):
         wrong = [
-            ({"set": {"points": [{"vertex": 0}], "curves": [{"boundary": 0}]}}, "/set/curves"),
-            ({"set": {"boundaries": "all"}}, "/set/boundaries"),
-            ({"set": {"points": []}}, "/set/points"),
+            ({"set": {"points": [{"vertex": 0}], "curves": [{"boundary": 1}]}}, "/set/curves/0"),
+            ({"set": {"boundaries": "none"}}, "/set/boundaries"),
+            ({"set": {"points": []}}, "/set"),
             ({"set": {"points": [{"vertex": 0, "offset": -1}]}}, "/set/points/0/offset"),
             ({"set": {"points": [{"vertex": 0, "label": "x" * 129}]}}, "/set/points/0/label"),
             ({"set": {"points": [{"vertex": 0}, {"vertex": 4}]}}, "/set/points/1"),

@@ -64,7 +64,7 @@ static void check_least(const struct proto_located_set *set, const struct proto_
 {
     double least[MOST_POINTS], alone[MOST_POINTS];
     for (uint32_t i = 0; i < points->count; i++) least[i] = INFINITY;
-    for (uint32_t k = 0; k < set->count; k++) {
+    for (uint32_t k = 0; k < set->seed_count; k++) {
         struct gd_field *field = build(&set->seeds[k], 1, 0);
         if (!field) return;
         require(gd_field_distances(field, points->points, points->count, NULL, alone) == GD_OK);
@@ -84,9 +84,13 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
         struct proto_result result = {.distance = distances[i]};
         struct gd_path path = {0};
         double distance;
-        require(gd_field_nearest(field, &points->points[i], &distance, &result.member) == GD_OK);
-        require(result.member < set->count && distance == distances[i]);
-        require(gd_field_path(field, &points->points[i], &path) == GD_OK);
+        uint32_t seed;
+        require(gd_field_nearest(field, &points->points[i], &distance, &seed) == GD_OK);
+        require(seed < set->seed_count && distance == distances[i]);
+        require(gd_field_path_to_seed(field, &points->points[i], &path, &seed) == GD_OK);
+        require(seed < set->seed_count && set->members[seed] < set->count);
+        result.member = set->members[seed];
+        result.nearest = path.points[path.count - 1];
         result.path = &path;
         proto_result_encode(&writer, house(), set, &result, UINT32_MAX, PROTO_GEOMETRY_FULL);
         gd_path_free(&path);
@@ -98,8 +102,8 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
 static void answer(const struct proto_located_set *set, const struct proto_located_points *points)
 {
     double distances[MOST_POINTS];
-    if (set->count > MOST_MEMBERS || points->count > MOST_POINTS) return;
-    struct gd_field *field = build(set->seeds, set->count, 0);
+    if (set->seed_count > MOST_MEMBERS || points->count > MOST_POINTS) return;
+    struct gd_field *field = build(set->seeds, set->seed_count, 0);
     if (!field) return;
     require(gd_field_distances(field, points->points, points->count, NULL, distances) == GD_OK);
     check_least(set, points, distances);
@@ -113,8 +117,9 @@ static bool fuzz_distance_to_set(const json_t *document, struct proto_problem *p
     struct proto_evaluation wanted;
     struct proto_located_points points = {0};
     if (!proto_evaluation_decode_with_set(document, &set, &wanted, problem)) return false;
-    struct proto_located_set *located = proto_set_locate(house(), &set, problem);
-    bool ok = located && proto_points_locate(house(), &wanted.points, &points, problem);
+    struct proto_located_set *located = NULL;
+    bool ok = !proto_set_locate(house(), &set, NULL, NULL, &located, problem) &&
+              proto_points_locate(house(), &wanted.points, &points, problem);
     if (ok) answer(located, &points);
     proto_located_points_free(&points);
     proto_evaluation_free(&wanted);
@@ -127,13 +132,15 @@ static bool fuzz_field(const json_t *document, struct proto_problem *problem)
 {
     struct proto_field_request wanted;
     if (!proto_field_decode(document, &wanted, problem)) return false;
-    struct proto_located_set *located = proto_set_locate(house(), &wanted.set, problem);
+    struct proto_located_set *located = NULL;
+    bool ok = !proto_set_locate(house(), &wanted.set, NULL, NULL, &located, problem);
     struct gd_field *field = NULL;
-    if (located && located->count <= MOST_MEMBERS) field = build(located->seeds, located->count, wanted.max_distance);
+    if (ok && located->seed_count <= MOST_MEMBERS)
+        field = build(located->seeds, located->seed_count, wanted.max_distance);
     gd_field_release(field);
     proto_set_free(&wanted.set);
     free(located);
-    return located != NULL;
+    return ok;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -94,9 +94,14 @@ static void encodes_results(void **state)
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &ends[1], NULL), GD_OK);
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &ends[0], NULL), GD_OK);
     seed = (struct gd_seed){.point = ends[1]};
-    uint32_t offset = 0;
-    const struct proto_located_set set = {
-        .count = 1, .seeds = &seed, .label_offsets = &offset, .labels = "a\"", .label_size = 3};
+    uint32_t offset = 0, member = 0;
+    const struct proto_located_set set = {.count = 1,
+                                          .seed_count = 1,
+                                          .seeds = &seed,
+                                          .members = &member,
+                                          .label_offsets = &offset,
+                                          .labels = "a\"",
+                                          .label_size = 3};
     const struct gd_path path = {.length = 1, .count = 2, .points = ends};
     const uint32_t all = UINT32_MAX & ~(uint32_t)PROTO_RESULT_FIELD_GRADIENT;
     const struct {
@@ -104,7 +109,7 @@ static void encodes_results(void **state)
         uint32_t wanted;
         const char *text;
     } cases[] = {
-        {{.distance = 1, .path = &path},
+        {{.distance = 1, .path = &path, .nearest = ends[1]},
          all,
          "{\"distance\":1,\"nearest\":{\"index\":0,\"label\":\"a\\\"\",\"point\":" CORNER "},"
          "\"path\":{\"length\":1,\"points\":[[1,0,0],[0,0,0]]}}"},

@@ -15,7 +15,7 @@ static struct proto_located_set *locate(const char *text, struct proto_problem *
     json_t *document = proto_decode_document(text, strlen(text), problem);
     assert_non_null(document);
     if (proto_set_decode(document, "/set", &set, problem)) {
-        located = proto_set_locate(mesh, &set, problem);
+        if (proto_set_locate(mesh, &set, NULL, NULL, &located, problem)) assert_null(located);
         proto_set_free(&set);
         proto_set_free(&set);
     }
@@ -64,11 +64,17 @@ static void refuses_what_is_no_set(void **state)
         const char *text, *pointer;
     } cases[] = {
         {"[]", "/set"},
-        {"{}", "/set/points"},
-        {"{\"points\":[]}", "/set/points"},
+        {"{}", "/set"},
+        {"{\"points\":[]}", "/set"},
         {"{\"points\":{}}", "/set/points"},
-        {"{\"points\":[{\"vertex\":0}],\"curves\":[]}", "/set/curves"},
+        {"{\"points\":[{\"vertex\":0}],\"curves\":{}}", "/set/curves"},
+        {"{\"curves\":[{\"boundary\":0}]}", "/set/curves/0"},
+        {"{\"curves\":[{\"vertices\":[0,9]}]}", "/set/curves/0"},
+        {"{\"curves\":[{\"spline\":{}}]}", "/set/curves/0/spline"},
+        {"{\"curves\":[{\"vertices\":[0,1],\"offset\":-1}]}", "/set/curves/0/offset"},
+        {"{\"boundaries\":[0]}", "/set/boundaries/0"},
         {"{\"boundaries\":\"all\"}", "/set/boundaries"},
+        {"{\"boundaries\":\"some\"}", "/set/boundaries"},
         {"{\"points\":[{\"vertex\":0}],\"lines\":[]}", "/set/lines"},
         {"{\"points\":[{\"vertex\":0},7]}", "/set/points/1"},
         {"{\"points\":[{\"label\":\"a\"}]}", "/set/points/0"},
@@ -117,12 +123,38 @@ static void members_are_bounded(void **state)
     test_free(text);
 }
 
+/* Points, then curves: of a curve each point and the segment behind it. */
+static void curves_are_members(void **state)
+{
+    (void)state;
+    struct proto_problem problem;
+    struct proto_located_set *set =
+        locate("{\"curves\":[{\"vertices\":[0,1,2],\"closed\":true,\"label\":\"ring\",\"offset\":3},"
+               "{\"points\":[{\"vertex\":3}]}],\"points\":[{\"vertex\":1,\"label\":\"dot\"}]}",
+               &problem);
+    static const uint32_t members[] = {0, 1, 1, 1, 1, 1, 1, 2};
+    assert_non_null(set);
+    assert_int_equal(set->count, 3);
+    assert_int_equal(set->seed_count, COUNT(members));
+    assert_true(set->has_segments);
+    assert_memory_equal(set->members, members, sizeof members);
+    for (uint32_t i = 0; i < set->seed_count; i++) {
+        assert_true(set->seeds[i].is_segment == (i == 2 || i == 4 || i == 6));
+        assert_true(set->seeds[i].offset == (members[i] == 1 ? 3 : 0));
+    }
+    assert_true(gd_point_equal(&set->seeds[6].end, &set->seeds[1].point));
+    assert_string_equal(proto_located_set_label(set, 0), "dot");
+    assert_string_equal(proto_located_set_label(set, 1), "ring");
+    assert_null(proto_located_set_label(set, 2));
+    free(set);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(takes_points_of_all_forms), cmocka_unit_test(equal_sets_are_equal_bytes),
         cmocka_unit_test(refuses_what_is_no_set),    cmocka_unit_test(labels_are_bounded),
-        cmocka_unit_test(members_are_bounded),
+        cmocka_unit_test(members_are_bounded),       cmocka_unit_test(curves_are_members),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

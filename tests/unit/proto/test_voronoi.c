@@ -34,7 +34,7 @@ static void refuses_bad_bodies(void **state)
     } cases[] = {
         {"[]", ""},
         {"{}", "/set"},
-        {"{\"set\":{\"points\":[]}}", "/set/points"},
+        {"{\"set\":{\"points\":[]}}", "/set"},
         {"{" SET ",\"tolerance\":0}", "/tolerance"},
         {"{" SET ",\"tolerance\":-1}", "/tolerance"},
         {"{" SET ",\"tolerance\":\"1\"}", "/tolerance"},

@@ -35,8 +35,8 @@ static struct proto_located_set *new_set(const char *members)
     snprintf(text, sizeof text, "{\"points\":[%s]}", members);
     json_t *document = proto_decode_document(text, strlen(text), &problem);
     assert_true(document && proto_set_decode(document, "", &set, &problem));
-    struct proto_located_set *located = proto_set_locate(mesh, &set, &problem);
-    assert_non_null(located);
+    struct proto_located_set *located;
+    assert_int_equal(proto_set_locate(mesh, &set, NULL, NULL, &located, &problem), GD_OK);
     proto_set_free(&set);
     json_decref(document);
     return located;
