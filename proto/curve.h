@@ -2,7 +2,8 @@
  *     {"points": [point…], "closed"?}   consecutive points joined by shortest paths
  *     {"vertices": [index…], "closed"?} consecutive vertices share an edge
  *     {"boundary": index}               a boundary loop, by its place in the description
- * Decoding needs no mesh; locating puts the points on one; gd_curve_resolve makes the polyline, which takes its time. */
+ * Decoding needs no mesh; locating puts the points on one; gd_curve_resolve makes the polyline, which takes its
+ * time. */
 #ifndef PROTO_CURVE_H
 #define PROTO_CURVE_H
 
@@ -25,8 +26,8 @@ struct proto_curve {
     uint32_t boundary;
 };
 
-/* `pointer`: the JSON Pointer of `value`, copied. invalid_request (also for splines, which are not taken as yet), too_large,
- * insufficient_memory. The caller frees the curve by proto_curve_free. */
+/* `pointer`: the JSON Pointer of `value`, copied. invalid_request (also for splines, which are not taken as yet),
+ * too_large, insufficient_memory. The caller frees the curve by proto_curve_free. */
 bool proto_curve_decode(const json_t *value, const char *pointer, struct proto_curve *out,
                         struct proto_problem *problem);
 void proto_curve_free(struct proto_curve *curve); /* leaves an empty curve; a second time is harmless */
@@ -39,8 +40,9 @@ struct proto_located_curve {
     struct gd_vertex *vertices;
 };
 
-/* proto_point_locate for each point; vertices and boundary are for gd_curve_resolve to look up, whose problems are at `place`. Takes the
- * vertices out of the curve, which is still to be freed. Its problems, and insufficient_memory. */
+/* proto_point_locate for each point; vertices and boundary are for gd_curve_resolve to look up, whose problems are
+ * at `place`. Takes the vertices out of the curve, which is still to be freed. Its problems, and
+ * insufficient_memory. */
 bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve, struct proto_located_curve *out,
                         struct proto_problem *problem);
 void proto_located_curve_free(struct proto_located_curve *located); /* leaves none */

@@ -74,21 +74,6 @@ void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_write_object_end(writer);
 }
 
-void proto_field_list_begin(struct proto_writer *writer)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "fields");
-    proto_write_array_begin(writer);
-}
-
-void proto_field_list_end(struct proto_writer *writer, const char *next)
-{
-    proto_write_array_end(writer);
-    proto_write_key(writer, "next");
-    proto_write_string(writer, next);
-    proto_write_object_end(writer);
-}
-
 /* --- values and wedges ------------------------------------------------------------------------------------------ */
 
 const char *const proto_values_fields[] = {"values", NULL};

@@ -46,10 +46,6 @@ extern const char *const proto_field_fields[]; /* NULL-terminated, for proto_opt
 void proto_field_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         const struct proto_field_description *description, uint32_t wanted);
 
-/* A list is begin, proto_field_encode for each, end. `next`: the cursor of the next page; NULL: this is the last. */
-void proto_field_list_begin(struct proto_writer *writer);
-void proto_field_list_end(struct proto_writer *writer, const char *next);
-
 extern const char *const proto_values_fields[]; /* NULL-terminated, for proto_options_parse */
 
 /* Writes {"values"}: what is not finite is null. */

@@ -22,6 +22,7 @@ MAX_CAPTURES = 2  # PROTO_ROUTE_CAPTURES
 IDENTIFIER = re.compile(r"[a-z][a-z0-9_]*")
 CAPTURE = re.compile(r"\{([a-z_]+)\}")
 PREFER = {"$ref": "#/components/parameters/Prefer"}
+ROLES = ("read", "write")  # of keys, as the security requirements name them
 
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
@@ -106,7 +107,7 @@ def check_references(document):
             yield f"{place}: {value['$ref']} does not exist"
     for kind, components in document["components"].items():
         for name in components:
-            if f"#/components/{kind}/{name}" not in used:
+            if f"#/components/{kind}/{name}" not in used and kind != "securitySchemes":  # those are named, not referenced
                 yield f"#/components/{kind}/{name} is not used"
 
 
@@ -133,7 +134,23 @@ def takes_preference(item, operation):
     return PREFER in [*item.get("parameters", []), *operation.get("parameters", [])]
 
 
+def access(method, operation):
+    """The role that a key needs, or None where none is needed. What changes things asks for `write`, what asks for `read`, unless
+    the operation says otherwise: [] or [{key: [role]}]."""
+    if "security" in operation:
+        return operation["security"][0]["key"][0] if operation["security"] else None
+    asks = method in ("get", "head") or (method == "post" and "queries" in operation["tags"])
+    return "read" if asks else "write"
+
+
+def check_security(operation):
+    allowed = [[], *([{"key": [role]}] for role in ROLES)]
+    if operation.get("security", []) not in allowed:
+        yield f"has a security requirement other than {allowed}"
+
+
 def check_operation(document, path, item, operation):
+    yield from check_security(operation)
     yield from check_path_parameters(document, path, item, operation)
     if takes_preference(item, operation) != ("202" in operation.get("responses", {})):
         yield "has one of the parameter Prefer and the response 202 without the other"
@@ -210,6 +227,7 @@ def route_row(path, item, method, operation):
     query = query_name(path, method, operation)
     fields = {
         "method": f"PROTO_METHOD_{method.upper()}",
+        "access": f"PROTO_ACCESS_{(access(method, operation) or 'public').upper()}",
         "has_body": "true" if "requestBody" in operation else "false",
         "is_async": "true" if takes_preference(item, operation) else "false",
         "operation": c_string(operation["operationId"]),
@@ -271,7 +289,15 @@ def asset_rows(path, number, data, compressed):
         yield f"    {{{c_string(alias)}, {content}}},"
 
 
+def state_security(document):
+    """Writes out the rule of `access`; the alternative {} is a daemon without keys."""
+    for _, _, method, operation in operations(document):
+        role = access(method, operation)
+        operation["security"] = [{"key": [role]}, {}] if role else []
+
+
 def print_assets(document, arguments):
+    state_security(document)
     text = json.dumps(published(document), ensure_ascii=False, separators=(",", ":"))
     assets = [("/openapi.json", text.encode("utf-8")), *static_files(arguments)]
     rows = []

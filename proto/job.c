@@ -95,20 +95,6 @@ void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, 
     proto_write_object_end(writer);
 }
 
-void proto_job_list_begin(struct proto_writer *writer)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "jobs");
-    proto_write_array_begin(writer);
-}
-
-void proto_job_list_end(struct proto_writer *writer, const char *next)
-{
-    proto_write_array_end(writer);
-    encode_text(writer, "next", next);
-    proto_write_object_end(writer);
-}
-
 /* JSON as it is written here has no line breaks: so it is one line of data. */
 void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job)
 {

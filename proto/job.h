@@ -57,10 +57,6 @@ enum proto_job_detail { PROTO_JOB_BRIEF, PROTO_JOB_EVENT, PROTO_JOB_FULL };
 
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail);
 
-/* {"jobs": […], "next"}: the jobs are written between the two. `next` NULL: this was the last page. */
-void proto_job_list_begin(struct proto_writer *writer);
-void proto_job_list_end(struct proto_writer *writer, const char *next);
-
 /* The job as a server-sent event: "done" when it has ended, however it did, else "progress". */
 void proto_job_encode_event(struct proto_writer *writer, const struct proto_job *job);
 

@@ -19,10 +19,9 @@ bool proto_mesh_name_check(const char *name, size_t length, struct proto_problem
 {
     bool good = length > 0 && length <= PROTO_MESH_NAME;
     for (size_t i = 0; good && i < length; i++) good = is_name_character(name[i], i == 0);
-    return good ||
-           proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
-                             "a mesh's name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
-                             PROTO_MESH_NAME);
+    return good || proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST,
+                                     "a name has 1 to %d characters of A-Z a-z 0-9 . _ - and does not begin with a dot",
+                                     PROTO_MESH_NAME);
 }
 
 /* --- options of an upload ----------------------------------------------------------------------------------------- */
@@ -275,19 +274,5 @@ void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_desc
     proto_write_key(writer, "created");
     proto_write_time(writer, description->created);
     encode_text(writer, "etag", description->etag);
-    proto_write_object_end(writer);
-}
-
-void proto_mesh_list_begin(struct proto_writer *writer)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "meshes");
-    proto_write_array_begin(writer);
-}
-
-void proto_mesh_list_end(struct proto_writer *writer, const char *next)
-{
-    proto_write_array_end(writer);
-    encode_text(writer, "next", next);
     proto_write_object_end(writer);
 }

@@ -1,5 +1,4 @@
-/* Mesh: the resource. Its name, the options of an upload, its description, lists of descriptions, the choice of a
- * format on the way out. */
+/* Mesh: the resource. Its name, the options of an upload, its description, the choice of a format on the way out. */
 #ifndef PROTO_MESH_H
 #define PROTO_MESH_H
 
@@ -48,9 +47,5 @@ struct proto_mesh_description {
 };
 
 void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description);
-
-/* A list is begin, proto_mesh_encode for each, end. `next`: the cursor of the next page; NULL: this is the last. */
-void proto_mesh_list_begin(struct proto_writer *writer);
-void proto_mesh_list_end(struct proto_writer *writer, const char *next);
 
 #endif

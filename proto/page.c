@@ -9,3 +9,18 @@ bool proto_page_parse(const struct proto_parameters *parameters, struct proto_pa
     *out = (struct proto_page){.limit = (uint32_t)limit, .after = parameters->get(parameters->user, "after")};
     return true;
 }
+
+void proto_page_begin(struct proto_writer *writer, const char *name)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, name);
+    proto_write_array_begin(writer);
+}
+
+void proto_page_end(struct proto_writer *writer, const char *next)
+{
+    proto_write_array_end(writer);
+    proto_write_key(writer, "next");
+    proto_write_string(writer, next);
+    proto_write_object_end(writer);
+}

@@ -3,6 +3,7 @@
 #define PROTO_PAGE_H
 
 #include "proto/options.h"
+#include "proto/writer.h"
 
 #define PROTO_PAGE_DEFAULT 100
 #define PROTO_PAGE_MOST    1000
@@ -14,5 +15,10 @@ struct proto_page {
 
 /* Reads limit and after, and refuses any other parameter. invalid_request. */
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out, struct proto_problem *problem);
+
+/* Writes a list: its begin, each item, its end. `name` of the list ("meshes"); `next`: the cursor of the next page; NULL: this
+ * is the last. */
+void proto_page_begin(struct proto_writer *writer, const char *name);
+void proto_page_end(struct proto_writer *writer, const char *next);
 
 #endif

@@ -68,6 +68,7 @@ struct proto_problem {
     uint64_t elements[GD_DETAIL_ELEMENTS][2]; /* [1] is used by edges only */
     char allow[PROTO_PROBLEM_ALLOW];          /* value of the Allow header; empty: none. Not part of the body */
     unsigned retry_after;                     /* seconds, for the Retry-After header; 0: none. Not part of the body */
+    const char *challenge; /* static value of the WWW-Authenticate header; NULL: none. Not part of the body */
 };
 
 /* Makes `problem` a fresh one of that code with a sentence that tells the person what to change (cut at

@@ -15,6 +15,9 @@
 
 struct server_exchange; /* the server's own; only its address passes through here */
 
+/* Which key an operation needs, where keys are needed. */
+enum proto_access { PROTO_ACCESS_READ, PROTO_ACCESS_WRITE, PROTO_ACCESS_PUBLIC };
+
 enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO_METHOD_DELETE };
 
 #define PROTO_ROUTE_SEGMENTS 6
@@ -22,6 +25,7 @@ enum proto_method { PROTO_METHOD_GET, PROTO_METHOD_PUT, PROTO_METHOD_POST, PROTO
 
 struct proto_route {
     enum proto_method method;
+    enum proto_access access;
     bool has_body;          /* the operation takes a request body */
     bool is_async;          /* it takes the header Prefer: respond-async */
     const char *operation;  /* operationId */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "gd/control.h"
+#include "server/inflate.h"
 
 #define FIRST_CAPACITY 4096
 
@@ -38,6 +39,14 @@ bool server_body_prepare(struct server_body *body, struct server_budget *budget,
     return true;
 }
 
+static void drop_inflater(struct server_body *body, struct server_budget *budget)
+{
+    if (!body->inflater) return;
+    server_inflater_destroy(body->inflater);
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES);
+    body->inflater = NULL;
+}
+
 /* Doubles, so that copying stays linear, but never past what was declared. Memory is held for what arrived, not
  * for what was promised. */
 static size_t next_capacity(const struct server_body *body, size_t needed)
@@ -63,10 +72,12 @@ static bool grow(struct server_body *body, struct server_budget *budget, size_t 
     return true;
 }
 
-static bool is_too_slow(const struct server_body *body)
+/* Counts bytes as they come: packed, and refused ones too. */
+static bool is_too_slow(struct server_body *body, size_t size)
 {
     uint64_t elapsed = gd_now_ns() - body->started_ns;
-    return elapsed > GRACE_NS && (double)body->size * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
+    body->received += size;
+    return elapsed > GRACE_NS && (double)body->received * 1e9 < (double)BYTES_A_SECOND * (double)elapsed;
 }
 
 static void fail(struct server_body *body, struct server_budget *budget, enum proto_problem_code failure)
@@ -75,10 +86,9 @@ static void fail(struct server_body *body, struct server_budget *budget, enum pr
     body->failure = failure;
 }
 
-bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+/* Appends what was sent, or unpacked. */
+static void append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
 {
-    if (is_too_slow(body)) return false;
-    if (body->failure) return true;
     if (size > body->limit - body->size) {
         fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
     } else if (!grow(body, budget, body->size + size)) {
@@ -88,11 +98,67 @@ bool server_body_append(struct server_body *body, struct server_budget *budget, 
         memcpy(body->bytes + body->size, bytes, size);
         body->size += size;
     }
+}
+
+struct unpacking {
+    struct server_body *body;
+    struct server_budget *budget;
+};
+
+static bool append_unpacked(void *user, const void *bytes, size_t size)
+{
+    const struct unpacking *unpacking = user;
+    append(unpacking->body, unpacking->budget, bytes, size);
+    return !unpacking->body->failure;
+}
+
+static void unpack(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+{
+    struct unpacking unpacking = {body, budget};
+    switch (server_inflate(body->inflater, bytes, size, append_unpacked, &unpacking)) {
+    case SERVER_INFLATE_OK:
+    case SERVER_INFLATE_STOPPED:
+        break;
+    case SERVER_INFLATE_DAMAGED:
+        fail(body, budget, PROTO_PROBLEM_INVALID_REQUEST);
+        body->fault = "the request body is not what Content-Encoding: gzip says, or is damaged";
+        break;
+    case SERVER_INFLATE_RATIO_PASSED:
+        fail(body, budget, PROTO_PROBLEM_TOO_LARGE);
+        body->fault =
+            "the request body unpacks to so many times its size that it is taken for an attack; send it unpacked";
+        break;
+    }
+}
+
+bool server_body_append(struct server_body *body, struct server_budget *budget, const void *bytes, size_t size)
+{
+    if (is_too_slow(body, size)) return false;
+    if (body->failure) return true;
+    if (body->inflater)
+        unpack(body, budget, bytes, size);
+    else
+        append(body, budget, bytes, size);
     return true;
 }
 
-bool server_body_check(const struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
+bool server_body_unpack(struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
 {
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES))
+        return refuse_memory(budget, SERVER_INFLATE_BYTES, problem);
+    body->inflater = server_inflater_create();
+    if (body->inflater) return true;
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, SERVER_INFLATE_BYTES);
+    return refuse_memory(budget, SERVER_INFLATE_BYTES, problem);
+}
+
+bool server_body_check(struct server_body *body, struct server_budget *budget, struct proto_problem *problem)
+{
+    bool is_cut = !body->failure && body->inflater && !server_inflater_is_whole(body->inflater);
+    drop_inflater(body, budget);
+    if (is_cut)
+        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "the packed request body is cut short");
+    if (body->fault) return proto_problem_set(problem, body->failure, "%s", body->fault);
     switch (body->failure) {
     case PROTO_PROBLEM_NONE:
         return true;
@@ -105,6 +171,7 @@ bool server_body_check(const struct server_body *body, struct server_budget *bud
 
 void server_body_drop(struct server_body *body, struct server_budget *budget)
 {
+    drop_inflater(body, budget);
     free(body->bytes);
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, body->capacity);
     body->bytes = NULL;

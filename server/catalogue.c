@@ -61,6 +61,22 @@ struct gd_field_request server_resource_request(const struct server_resource *re
                                      .radius = resource->description.max_distance};
 }
 
+static void append_point(struct proto_writer *text, const struct gd_point *point)
+{
+    const uint32_t place[] = {(uint32_t)point->kind, point->element};
+    proto_append(text, (const char *)place, sizeof place);
+    proto_append(text, (const char *)point->weight, sizeof point->weight);
+}
+
+/* Member by member: what lies between them is nobody's. */
+static void append_seed(struct proto_writer *text, const struct gd_seed *seed)
+{
+    append_point(text, &seed->point);
+    proto_append(text, (const char *)&seed->offset, sizeof seed->offset);
+    proto_append(text, seed->is_segment ? "s" : "p", 1);
+    if (seed->is_segment) append_point(text, &seed->end);
+}
+
 bool server_resource_name(const char *etag, const struct proto_located_set *set, double max_distance,
                           char id[PROTO_FIELD_ID + 1])
 {
@@ -69,7 +85,7 @@ bool server_resource_name(const char *etag, const struct proto_located_set *set,
     proto_writer_init(&text, SIZE_MAX);
     proto_append(&text, etag, strlen(etag));
     proto_append(&text, (const char *)&max_distance, sizeof max_distance);
-    proto_append(&text, (const char *)set->seeds, set->seed_count * sizeof *set->seeds);
+    for (uint32_t i = 0; i < set->seed_count; i++) append_seed(&text, &set->seeds[i]);
     proto_append(&text, (const char *)set->members, set->seed_count * sizeof *set->members);
     proto_append(&text, (const char *)set->label_offsets, set->count * sizeof *set->label_offsets);
     proto_append(&text, set->labels, set->label_size);

@@ -3,39 +3,16 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "server/config_value.h"
 #include "server/version.h"
 
-#define TEXT_LIMIT 512
 #define NAME_LIMIT 32 /* of an option */
-
-enum kind {
-    KIND_COUNT,
-    KIND_BYTES,
-    KIND_ADDRESS,
-    KIND_HOST,
-    KIND_CHOICE,
-    KIND_PATH,
-    KIND_BOOLEAN,
-    KIND_FILE,
-    KIND_SWITCH
-};
-
-struct option {
-    const char *name, *argument, *help;
-    enum kind kind;
-    size_t offset;        /* of the member in struct server_config */
-    uint64_t least, most; /* KIND_COUNT, KIND_BYTES */
-    const char *standard; /* default, as it would be typed; NULL: none, or found at run time */
-    const char *const *
-        words; /* KIND_CHOICE: what may be typed, NULL-terminated; the member is an enum or unsigned that counts them */
-};
 
 static const char *const levels[] = {
 #define LEVEL_NAME(NAME, name) #name,
@@ -47,11 +24,26 @@ static const char *const stores[] = {[SERVER_STORE_KIND_LOCAL] = "local", [SERVE
 
 #define MEMBER(member) offsetof(struct server_config, member)
 
-static const struct option options[] = {
+static const struct server_setting options[] = {
     {"listen", "ADDR:PORT|unix:PATH", "where to listen; port 0 takes a free one", KIND_ADDRESS, MEMBER(listen), 0, 0,
      "127.0.0.1:8080", NULL},
     {"allowed-host", "HOST", "also accept this Host header; may be repeated, or a list with commas", KIND_HOST,
      MEMBER(allowed_hosts), 0, 0, NULL, NULL},
+    {"keys", "FILE",
+     "the keys by which users are known, which geodesicd keygen makes; read again at SIGHUP (default: none, and then "
+     "only "
+     "this machine's own programs may speak to the daemon)",
+     KIND_PATH, MEMBER(keys), 0, 0, NULL, NULL},
+    {"cors-origin", "ORIGIN",
+     "web pages of this origin (https://maps.example) may use the daemon; may be repeated, or a list with commas",
+     KIND_ORIGIN, MEMBER(cors_origins), 0, 0, NULL, NULL},
+    {"tls-cert", "FILE", "the certificate and those that it rests on, PEM: speak HTTPS only; read again at SIGHUP",
+     KIND_PATH, MEMBER(tls_cert), 0, 0, NULL, NULL},
+    {"tls-key", "FILE", "the certificate's private key, PEM", KIND_PATH, MEMBER(tls_key), 0, 0, NULL, NULL},
+    {"max-connections", "N", "connections that are open at once; others wait", KIND_COUNT, MEMBER(max_connections), 1,
+     SERVER_CONFIG_CONNECTIONS, "8192", NULL},
+    {"max-address-connections", "N", "connections of one address that are open at once; others are closed; 0: no limit",
+     KIND_COUNT, MEMBER(max_address_connections), 0, SERVER_CONFIG_CONNECTIONS, "2048", NULL},
     {"workers", "N", "threads that build meshes and propagate (default: the number of cores)", KIND_COUNT,
      MEMBER(workers), 1, 1024, NULL, NULL},
     {"http-threads", "N", "threads that speak HTTP (default: the number of cores)", KIND_COUNT, MEMBER(http_threads), 1,
@@ -102,25 +94,7 @@ static const struct option options[] = {
 
 #define OPTION_COUNT (sizeof options / sizeof *options)
 
-/* One loading: where sentences go, and where the value at hand came from. */
-struct loader {
-    struct server_config *config;
-    FILE *error;
-    char origin[TEXT_LIMIT]; /* "--workers", "GEODESICD_WORKERS", "FILE:12: workers" */
-};
-
-__attribute__((format(printf, 2, 3))) static bool complain(const struct loader *loader, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    fprintf(loader->error, "geodesicd: %s: ", loader->origin);
-    vfprintf(loader->error, format, arguments);
-    fputc('\n', loader->error);
-    va_end(arguments);
-    return false;
-}
-
-static const struct option *find_option(const char *name, size_t size)
+static const struct server_setting *find_option(const char *name, size_t size)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++)
         if (strlen(options[i].name) == size && strncmp(options[i].name, name, size) == 0) return &options[i];
@@ -154,145 +128,15 @@ static const char *nearest_name(const char *name, size_t size)
     return best;
 }
 
-/* --- values ------------------------------------------------------------------------------------------------------- */
-
-static bool parse_unsigned(const char *text, uint64_t *out, const char **rest)
-{
-    char *end;
-    if (!isdigit((unsigned char)*text)) return false;
-    errno = 0;
-    *out = strtoull(text, &end, 10);
-    *rest = end;
-    return errno == 0;
-}
-
-/* "4096", "64k", "512MiB", "4G", "4GiB": powers of 1024. */
-static bool parse_bytes(const char *text, uint64_t *out)
-{
-    static const char units[] = "KMGT";
-    const char *rest;
-    if (!parse_unsigned(text, out, &rest)) return false;
-    const char *unit = *rest ? strchr(units, toupper((unsigned char)*rest)) : NULL;
-    if (unit) {
-        unsigned shift = 10 * (unsigned)(unit - units + 1);
-        if (*out > UINT64_MAX >> shift) return false;
-        *out <<= shift;
-        rest++;
-        if (*rest == 'i')
-            rest++;
-        else if (*rest)
-            return false;
-    }
-    return !*rest || (rest[0] == 'B' && !rest[1]);
-}
-
-static bool set_number(const struct loader *loader, const struct option *option, const char *value, uint64_t *member)
-{
-    uint64_t number;
-    const char *rest = "";
-    bool parsed =
-        option->kind == KIND_BYTES ? parse_bytes(value, &number) : parse_unsigned(value, &number, &rest) && !*rest;
-    if (!parsed)
-        return complain(loader,
-                        option->kind == KIND_BYTES ? "'%s' is no size; write a number of bytes or one like 512MiB, 4GiB"
-                                                   : "'%s' is no whole number",
-                        value);
-    if (number < option->least || number > option->most)
-        return complain(loader, "%s is outside %llu to %llu", value, (unsigned long long)option->least,
-                        (unsigned long long)option->most);
-    *member = number;
-    return true;
-}
-
-static bool set_address(const struct loader *loader, const char *value, struct server_address *member)
-{
-    char sentence[TEXT_LIMIT];
-    return server_address_parse(value, member, sentence, sizeof sentence) || complain(loader, "%s", sentence);
-}
-
-static bool add_host(const struct loader *loader, const char *value)
-{
-    struct server_config *config = loader->config;
-    if (config->allowed_hosts.count == SERVER_CONFIG_HOSTS)
-        return complain(loader, "at most %d hosts can be allowed", SERVER_CONFIG_HOSTS);
-    if (!*value || strlen(value) >= SERVER_CONFIG_HOST || strpbrk(value, "/\t"))
-        return complain(loader, "'%s' is no host name; write it as in a URL, without scheme and path", value);
-    strcpy(config->allowed_hosts.name[config->allowed_hosts.count++], value);
-    return true;
-}
-
-/* One host or several with commas between them. */
-static bool add_hosts(const struct loader *loader, const char *value)
-{
-    char list[TEXT_LIMIT], *rest;
-    snprintf(list, sizeof list, "%s", value);
-    for (char *host = strtok_r(list, ", ", &rest); host; host = strtok_r(NULL, ", ", &rest))
-        if (!add_host(loader, host)) return false;
-    return true;
-}
-
-static bool set_choice(const struct loader *loader, const struct option *option, const char *value, unsigned *member)
-{
-    char list[TEXT_LIMIT] = "";
-    for (unsigned i = 0; option->words[i]; i++) {
-        if (strcmp(value, option->words[i]) == 0) {
-            *member = i;
-            return true;
-        }
-        const char *before = i == 0 ? "" : option->words[i + 1] ? ", " : " or ";
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", before, option->words[i]);
-    }
-    return complain(loader, "'%s' is none of the choices; write %s", value, list);
-}
-
-static bool set_path(const struct loader *loader, const char *value, char *member)
-{
-    if (!*value || strlen(value) >= SERVER_CONFIG_PATH)
-        return complain(loader, "a path has 1 to %d bytes", SERVER_CONFIG_PATH - 1);
-    strcpy(member, value);
-    for (size_t size = strlen(member); size > 1 && member[size - 1] == '/'; size--) member[size - 1] = '\0';
-    return true;
-}
-
-static bool set_boolean(const struct loader *loader, const char *value, bool *member)
-{
-    *member = strcmp(value, "true") == 0;
-    return *member || strcmp(value, "false") == 0 || complain(loader, "write true or false");
-}
-
-static bool set_option(const struct loader *loader, const struct option *option, const char *value)
-{
-    void *member = (char *)loader->config + option->offset;
-    switch (option->kind) {
-    case KIND_COUNT:
-    case KIND_BYTES:
-        return set_number(loader, option, value, member);
-    case KIND_ADDRESS:
-        return set_address(loader, value, member);
-    case KIND_HOST:
-        return add_hosts(loader, value);
-    case KIND_CHOICE:
-        return set_choice(loader, option, value, member);
-    case KIND_PATH:
-        return set_path(loader, value, member);
-    case KIND_BOOLEAN:
-        return set_boolean(loader, value, member);
-    case KIND_FILE:
-    case KIND_SWITCH:
-        break; /* read before the others */
-    }
-    return true;
-}
-
 /* --- sources of values, weakest first ----------------------------------------------------------------------------- */
 
-static bool load_defaults(struct loader *loader)
+static bool load_defaults(struct server_setting_loader *loader)
 {
     long cores = sysconf(_SC_NPROCESSORS_ONLN);
     loader->config->workers = loader->config->http_threads = cores > 0 ? (uint64_t)cores : 1;
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         snprintf(loader->origin, sizeof loader->origin, "default of --%s", options[i].name);
-        if (options[i].standard && !set_option(loader, &options[i], options[i].standard)) return false;
+        if (options[i].standard && !server_config_set(loader, &options[i], options[i].standard)) return false;
     }
     return true;
 }
@@ -305,27 +149,28 @@ static char *trim(char *text)
     return text;
 }
 
-static bool load_line(struct loader *loader, const char *path, unsigned number, char *line)
+static bool load_line(struct server_setting_loader *loader, const char *path, unsigned number, char *line)
 {
     line[strcspn(line, "#")] = '\0';
     char *name = trim(line);
     if (!*name) return true;
     snprintf(loader->origin, sizeof loader->origin, "%s:%u", path, number);
     char *equals = strchr(name, '=');
-    if (!equals) return complain(loader, "write `name = value`");
+    if (!equals) return server_config_complain(loader, "write `name = value`");
     *equals = '\0';
     char *value = trim(equals + 1);
     name = trim(name);
-    const struct option *option = find_option(name, strlen(name));
+    const struct server_setting *option = find_option(name, strlen(name));
     if (!option || option->kind == KIND_SWITCH || option->kind == KIND_FILE)
-        return complain(loader, "there is no setting '%s'; did you mean '%s'?", name, nearest_name(name, strlen(name)));
-    return set_option(loader, option, value);
+        return server_config_complain(loader, "there is no setting '%s'; did you mean '%s'?", name,
+                                      nearest_name(name, strlen(name)));
+    return server_config_set(loader, option, value);
 }
 
-static bool load_file(struct loader *loader, const char *path)
+static bool load_file(struct server_setting_loader *loader, const char *path)
 {
     FILE *file = fopen(path, "re");
-    if (!file) return complain(loader, "can't read '%s': %s", path, strerror(errno));
+    if (!file) return server_config_complain(loader, "can't read '%s': %s", path, strerror(errno));
     char line[1024];
     bool ok = true;
     for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++)
@@ -335,54 +180,57 @@ static bool load_file(struct loader *loader, const char *path)
 }
 
 /* GEODESICD_MAX_BODY for max-body. */
-static const char *environment(const struct option *option, char name[TEXT_LIMIT])
+static const char *environment(const struct server_setting *option, char name[CONFIG_TEXT])
 {
-    snprintf(name, TEXT_LIMIT, "GEODESICD_%s", option->name);
+    snprintf(name, CONFIG_TEXT, "GEODESICD_%s", option->name);
     for (char *c = name; *c; c++) *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
     return getenv(name);
 }
 
-static bool load_environment(struct loader *loader)
+static bool load_environment(struct server_setting_loader *loader)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         const char *value = environment(&options[i], loader->origin);
-        if (value && !set_option(loader, &options[i], value)) return false;
+        if (value && !server_config_set(loader, &options[i], value)) return false;
     }
     return true;
 }
 
 /* One flag of the command line. */
 struct flag {
-    const struct option *option;
+    const struct server_setting *option;
     const char *value; /* NULL for switches */
 };
 
 /* Reads argv[*at], and argv[*at + 1] when the value stands there; advances `*at` past both. */
-static bool next_flag(struct loader *loader, char *const argv[], int argc, int *at, struct flag *out)
+static bool next_flag(struct server_setting_loader *loader, char *const argv[], int argc, int *at, struct flag *out)
 {
     const char *text = argv[(*at)++];
     snprintf(loader->origin, sizeof loader->origin, "%s", text);
-    if (strncmp(text, "--", 2) != 0) return complain(loader, "flags begin with --; try --help");
+    if (strncmp(text, "--", 2) != 0) return server_config_complain(loader, "flags begin with --; try --help");
     size_t size = strcspn(text + 2, "=");
     const char *inline_value = text[2 + size] ? text + 3 + size : NULL;
     out->option = find_option(text + 2, size);
     if (!out->option)
-        return complain(loader, "there is no such flag; did you mean --%s?", nearest_name(text + 2, size));
+        return server_config_complain(loader, "there is no such flag; did you mean --%s?",
+                                      nearest_name(text + 2, size));
     out->value = NULL;
-    if (out->option->kind == KIND_SWITCH) return !inline_value || complain(loader, "this flag takes no value");
+    if (out->option->kind == KIND_SWITCH)
+        return !inline_value || server_config_complain(loader, "this flag takes no value");
     if (out->option->kind == KIND_BOOLEAN) {
         out->value = inline_value ? inline_value : "true";
         return true;
     }
     out->value = inline_value ? inline_value : *at < argc ? argv[(*at)++] : NULL;
-    return out->value || complain(loader, "a value is missing: %s", out->option->argument);
+    return out->value || server_config_complain(loader, "a value is missing: %s", out->option->argument);
 }
 
-static bool load_flags(struct loader *loader, int argc, char *const argv[])
+static bool load_flags(struct server_setting_loader *loader, int argc, char *const argv[])
 {
     struct flag flag;
     for (int at = 1; at < argc;)
-        if (!next_flag(loader, argv, argc, &at, &flag) || !set_option(loader, flag.option, flag.value)) return false;
+        if (!next_flag(loader, argv, argc, &at, &flag) || !server_config_set(loader, flag.option, flag.value))
+            return false;
     return true;
 }
 
@@ -390,8 +238,10 @@ static bool load_flags(struct loader *loader, int argc, char *const argv[])
 
 static void print_help(FILE *out)
 {
-    fprintf(out, "geodesicd: exact geodesics on surfaces, as a network service\n\nusage: geodesicd [--flag value | "
-                 "--flag=value]...\n\n");
+    fprintf(out,
+            "geodesicd: exact geodesics on surfaces, as a network service\n\n"
+            "usage: geodesicd [--flag value | --flag=value]...\n"
+            "       geodesicd keygen NAME [--role read|write] [--expires TIME|DAYSd] [--rate N] [--concurrent N]\n\n");
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         char usage[64];
         snprintf(usage, sizeof usage, "--%s %s", options[i].name, options[i].argument ? options[i].argument : "");
@@ -404,10 +254,10 @@ static void print_help(FILE *out)
 }
 
 /* Looks for --help and --version, which win over everything, and for the file to read. */
-static enum server_config_outcome look_ahead(struct loader *loader, int argc, char *const argv[], FILE *out,
-                                             const char **file)
+static enum server_config_outcome look_ahead(struct server_setting_loader *loader, int argc, char *const argv[],
+                                             FILE *out, const char **file)
 {
-    char name[TEXT_LIMIT];
+    char name[CONFIG_TEXT];
     struct flag flag;
     *file = environment(find_option("config", strlen("config")), name);
     for (int at = 1; at < argc;) {
@@ -424,7 +274,7 @@ static enum server_config_outcome look_ahead(struct loader *loader, int argc, ch
 }
 
 /* Where a data folder is expected: for root the system's, else the user's. */
-static bool find_data_dir(struct loader *loader)
+static bool find_data_dir(struct server_setting_loader *loader)
 {
     const char *data_home = getenv("XDG_DATA_HOME"), *home = getenv("HOME");
     char *path = loader->config->data_dir;
@@ -438,40 +288,51 @@ static bool find_data_dir(struct loader *loader)
         size = snprintf(path, SERVER_CONFIG_PATH, "%s/.local/share/geodesicd", home);
     snprintf(loader->origin, sizeof loader->origin, "--data-dir");
     return (size > 0 && size < SERVER_CONFIG_PATH) ||
-           complain(loader, "there is no home folder to keep meshes in: name a folder, or use --store memory");
+           server_config_complain(loader,
+                                  "there is no home folder to keep meshes in: name a folder, or use --store memory");
 }
 
-static bool validate_store(struct loader *loader)
+static bool validate_store(struct server_setting_loader *loader)
 {
     const struct server_config *config = loader->config;
     if (config->store == SERVER_STORE_KIND_LOCAL) return true;
     snprintf(loader->origin, sizeof loader->origin, "--store memory");
     return (!config->persist_fields && !config->check_store && !*config->backup) ||
-           complain(loader, "a store in memory keeps nothing: leave out --persist-fields, --check-store and --backup");
+           server_config_complain(
+               loader, "a store in memory keeps nothing: leave out --persist-fields, --check-store and --backup");
 }
 
-static bool validate(struct loader *loader)
+static bool validate_access(struct server_setting_loader *loader)
+{
+    const struct server_config *config = loader->config;
+    snprintf(loader->origin, sizeof loader->origin, "--tls-cert");
+    if (!*config->tls_cert != !*config->tls_key)
+        return server_config_complain(loader, "--tls-cert and --tls-key belong together: give both or none");
+    snprintf(loader->origin, sizeof loader->origin, "--listen");
+    if (*config->keys || server_address_is_local(&config->listen)) return true;
+    char address[SERVER_ADDRESS_TEXT];
+    server_address_format(&config->listen, address);
+    return server_config_complain(
+        loader,
+        "refusing to listen on %s: without keys everyone who reaches the address could read and delete "
+        "every mesh; give --keys, or listen on a loopback address or a unix socket",
+        address);
+}
+
+static bool validate(struct server_setting_loader *loader)
 {
     const struct server_config *config = loader->config;
     if (!find_data_dir(loader) || !validate_store(loader)) return false;
-    snprintf(loader->origin, sizeof loader->origin, "--listen");
-    if (!server_address_is_local(&config->listen)) {
-        char address[SERVER_ADDRESS_TEXT];
-        server_address_format(&config->listen, address);
-        return complain(
-            loader,
-            "refusing to listen on %s: without keys everyone who reaches the address could read and delete every "
-            "mesh; listen on a loopback address or a unix socket",
-            address);
-    }
+    if (!validate_access(loader)) return false;
     snprintf(loader->origin, sizeof loader->origin, "--max-body");
-    return config->max_body <= config->memory_budget || complain(loader, "it can't be larger than --memory-budget");
+    return config->max_body <= config->memory_budget ||
+           server_config_complain(loader, "it can't be larger than --memory-budget");
 }
 
 enum server_config_outcome server_config_load(struct server_config *config, int argc, char *const argv[], FILE *out,
                                               FILE *error)
 {
-    struct loader loader = {.config = config, .error = error};
+    struct server_setting_loader loader = {.config = config, .error = error};
     const char *file;
     *config = (struct server_config){0};
     enum server_config_outcome outcome = look_ahead(&loader, argc, argv, out, &file);

@@ -87,6 +87,7 @@ static struct server_exchange *create(struct server *server, const struct server
     memset(exchange, 0, offsetof(struct server_exchange, response.headers));
     exchange->server = server;
     exchange->transport = transport;
+    exchange->tenant = "";
     exchange->started_ns = gd_now_ns();
     exchange->job.run = run;
     exchange->job.refuse = refuse;
@@ -117,6 +118,7 @@ void server_exchange_destroy(struct server_exchange *exchange)
     server_body_drop(&exchange->body, &exchange->server->budget);
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_stream_close(exchange->response.stream);
+    server_grant_end(&exchange->grant);
     free(exchange->response.owned);
     free(exchange->copies);
     free(exchange->path);
@@ -189,6 +191,8 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     }
     detached->is_http10 = exchange->is_http10;
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
+    server_grant_pass(&exchange->grant, &detached->grant);
+    detached->tenant = exchange->tenant;
     move_query_and_body(detached, exchange);
     return detached;
 }
@@ -215,6 +219,12 @@ uint32_t server_exchange_count_headers(const struct server_exchange *exchange, c
     uint32_t count = 0;
     for (uint32_t i = 0; i < exchange->header_count; i++) count += strcasecmp(exchange->headers[i].name, name) == 0;
     return count;
+}
+
+const char *server_exchange_code(const struct server_exchange *exchange)
+{
+    enum proto_problem_code code = exchange->response.problem;
+    return code == PROTO_PROBLEM_NONE ? NULL : proto_problem_name(code);
 }
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method)

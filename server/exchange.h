@@ -22,12 +22,13 @@
 #include "gd/control.h"
 #include "proto/options.h"
 #include "proto/route.h"
+#include "server/access.h"
 #include "server/body.h"
 #include "server/workers.h"
 
 #define SERVER_EXCHANGE_HEADERS    64
 #define SERVER_EXCHANGE_PARAMETERS 32
-#define SERVER_RESPONSE_HEADERS    12
+#define SERVER_RESPONSE_HEADERS    16
 #define SERVER_HEADER_VALUE        256
 #define SERVER_REQUEST_ID          65
 
@@ -44,7 +45,7 @@ struct server_named_value { /* of strings that the transport or the exchange own
 struct server_response {
     unsigned status; /* 0: not answered yet */
     const char *media_type;
-    const char *code; /* of a problem, for the log; NULL: none */
+    enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
     const void *body;
     void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
     size_t size;
@@ -83,6 +84,9 @@ struct server_exchange {
     const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
     struct proto_route_match match; /* route NULL: none found */
     char request_id[SERVER_REQUEST_ID];
+    struct server_grant grant;
+    const char *tenant;      /* whose names it is about (key.h), borrowed from the grant; "": there are none */
+    const char *cors_origin; /* the Origin header, when it is a page that --cors-origin lists; NULL: it is not */
     struct server_body body;
 
     uint64_t started_ns, deadline_ns;
@@ -128,6 +132,9 @@ uint32_t server_exchange_count_headers(const struct server_exchange *exchange, c
 
 /* View of the query string for proto's decoders; lives as long as the exchange. */
 struct proto_parameters server_exchange_parameters(struct server_exchange *exchange);
+
+/* The code of the problem that was replied, for the log; NULL: none was. */
+const char *server_exchange_code(const struct server_exchange *exchange);
 
 bool server_exchange_is(const struct server_exchange *exchange, const char *method);
 

@@ -185,16 +185,20 @@ static void each_surface(struct server_registry *registry,
                          void (*visit)(void *user, const struct server_listed *listed), void *user)
 {
     struct server_listed listed[PAGE];
-    char after[PROTO_MESH_NAME + 1];
+    struct server_record *last = NULL;
+    struct server_key after;
     uint32_t count = 0;
     do {
-        count = server_registry_list(registry, count ? after : NULL, PAGE, listed);
-        if (count) strcpy(after, listed[count - 1].record->name);
+        count = server_registry_list_all(registry, last ? &after : NULL, PAGE, listed);
+        server_record_release(last);
+        last = count ? server_record_retain(listed[count - 1].record) : NULL;
+        if (last) after = server_record_key(last);
         for (uint32_t i = 0; i < count; i++) {
             visit(user, &listed[i]);
             server_listed_release(&listed[i]);
         }
     } while (count == PAGE);
+    server_record_release(last);
 }
 
 static void on_wanted_surface(void *user, const struct server_listed *listed)

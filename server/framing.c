@@ -24,9 +24,10 @@ bool server_framing_read(const struct server_exchange *exchange, struct server_f
                          struct proto_problem *problem)
 {
     uint32_t lengths = server_exchange_count_headers(exchange, "Content-Length");
+    uint32_t hosts = server_exchange_count_headers(exchange, "Host");
     uint32_t codings = server_exchange_count_headers(exchange, "Transfer-Encoding");
     struct server_framing framing = {.has_body = lengths || codings};
-    if (server_exchange_count_headers(exchange, "Host") > 1) return refuse(problem, "send the Host header once");
+    if (hosts > 1 || (hosts == 0 && !exchange->is_http10)) return refuse(problem, "send the Host header, once");
     if (lengths && codings) return refuse(problem, "send Content-Length or Transfer-Encoding, not both");
     if (lengths > 1 || codings > 1) return refuse(problem, "send Content-Length or Transfer-Encoding once");
     if (lengths && !read_length(server_exchange_header(exchange, "Content-Length"), &framing.declared))

@@ -11,7 +11,7 @@ struct server_framing {
     uint64_t declared; /* Content-Length; 0: no body; SERVER_BODY_CHUNKED */
 };
 
-/* invalid_request: Content-Length together with Transfer-Encoding, either of them or Host twice, a length that is
+/* invalid_request: Content-Length together with Transfer-Encoding, either of them or Host twice, no Host in HTTP/1.1, a length that is
  * no number, a coding other than chunked, chunks in HTTP/1.0. */
 bool server_framing_read(const struct server_exchange *exchange, struct server_framing *out,
                          struct proto_problem *problem);

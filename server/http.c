@@ -29,15 +29,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "server/connections.h"
 #include "server/events.h"
 #include "server/log.h"
 #include "server/reply.h"
+#include "server/request_log.h"
 #include "server/router.h"
 #include "server/server.h"
+#include "server/tls.h"
 
 #define CONNECTION_MEMORY  (32 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
 #define CONNECTION_TIMEOUT 30u         /* seconds without a byte */
-#define CONNECTIONS_MOST   8192u
 #define SPARE_DESCRIPTORS  64u
 #define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
 #define STREAM_BLOCK       1024               /* bytes of a stream that are asked for at a time */
@@ -49,6 +51,8 @@ struct call {
     struct server_exchange *exchange;
     struct MHD_Connection *connection;
     struct server_http *http;
+    struct server_connection *wire;  /* what came in on the connection */
+    uint64_t number;                 /* which of the connection's requests this is, from 0 on */
     enum phase phase;                /* written by the connection's HTTP thread only */
     atomic_uint_least64_t looked_ns; /* when the client was last looked at */
 };
@@ -74,12 +78,16 @@ static void finish(struct server_exchange *exchange)
     MHD_resume_connection(call_of(exchange)->connection);
 }
 
+static int socket_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    return info ? info->connect_fd : -1;
+}
+
 /* A client that has closed its side has gone: nobody who waits for an answer does that. */
 static bool has_hung_up(const struct call *call)
 {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(call->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    if (!info) return true;
-    struct pollfd state = {.fd = info->connect_fd, .events = POLLRDHUP};
+    struct pollfd state = {.fd = socket_of(call->connection), .events = POLLRDHUP};
     return poll(&state, 1, 0) == 1 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR));
 }
 
@@ -95,13 +103,37 @@ static bool is_gone(struct server_exchange *exchange)
 
 /* --- from the library to the exchange ----------------------------------------------------------------------------- */
 
+static struct server_connection *wire_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    return info ? info->socket_context : NULL;
+}
+
+static void on_connection(void *user, struct MHD_Connection *connection, void **context,
+                          enum MHD_ConnectionNotificationCode what)
+{
+    const struct server_http *http = user;
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+        bool is_encrypted = http->server->tls != NULL;
+        *context = server_connections_open(http->server->connections, socket_of(connection), is_encrypted);
+    } else if (*context) {
+        server_connections_close(*context);
+        *context = NULL;
+    }
+}
+
 /* The raw target, before the library takes it apart; what this returns comes back as `*context`. */
 static void *on_target(void *user, const char *target, struct MHD_Connection *connection)
 {
     struct server_http *http = user;
-    struct call *call = malloc(sizeof *call);
+    struct server_connection *wire = wire_of(connection);
+    struct call *call = wire ? malloc(sizeof *call) : NULL;
     if (!call) return NULL;
-    *call = (struct call){.transport = {.finish = finish, .is_gone = is_gone}, .connection = connection, .http = http};
+    *call = (struct call){.transport = {.finish = finish, .is_gone = is_gone},
+                          .connection = connection,
+                          .http = http,
+                          .wire = wire,
+                          .number = wire->requests++};
     call->exchange = server_exchange_create(http->server, &call->transport, target);
     if (!call->exchange) {
         free(call);
@@ -111,6 +143,13 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     return call;
 }
 
+/* The library has answered it, or hung up. */
+static void log_broken_body(const struct call *call)
+{
+    server_log_message(SERVER_LOG_INFO, "malformed", "the body of %s %s: %s", call->exchange->method,
+                       call->exchange->path, call->wire->grammar.fault);
+}
+
 static void on_completed(void *user, struct MHD_Connection *connection, void **context,
                          enum MHD_RequestTerminationCode why)
 {
@@ -118,10 +157,21 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     struct call *call = *context;
     (void)connection, (void)why;
     if (!call) return;
+    if (call->phase == PHASE_BODY && call->wire->grammar.fault) log_broken_body(call);
     server_exchange_destroy(call->exchange);
+    server_connection_end(call->wire);
     free(call);
     *context = NULL;
     atomic_fetch_sub(&http->active, 1);
+}
+
+/* What the grammar found out about the request, or a request that it has not seen: then the library reads in a way that
+ * is not watched (wire.h), and nothing it says can be trusted. */
+static const char *find_fault(const struct call *call)
+{
+    const struct server_grammar *grammar = &call->wire->grammar;
+    if (call->number < grammar->heads) return NULL;
+    return grammar->fault ? grammar->fault : "the request came in on a way that is not watched; tell the operator";
 }
 
 static enum MHD_Result on_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
@@ -185,22 +235,11 @@ static struct MHD_Response *make_response(struct call *call)
     return response;
 }
 
-static void log_request(const struct server_exchange *exchange, uint64_t nanoseconds)
+static const struct sockaddr *peer_of(const struct call *call)
 {
-    const struct server_response *response = &exchange->response;
-    struct server_log_line line;
-    if (!server_log_begin(&line, response->status == 500 ? SERVER_LOG_ERROR : SERVER_LOG_INFO, "request")) return;
-    server_log_text(&line, "method", exchange->method);
-    server_log_text(&line, "path", exchange->path);
-    server_log_text(&line, "route", exchange->match.route ? exchange->match.route->path : NULL);
-    server_log_integer(&line, "status", response->status);
-    server_log_text(&line, "code", response->code);
-    server_log_integer(&line, "bytes", (int64_t)response->size);
-    server_log_milliseconds(&line, "ms", nanoseconds);
-    server_log_text(&line, "lane", exchange->work ? "worker" : "inline");
-    server_log_text(&line, "request_id", exchange->request_id);
-    server_log_text(&line, "traceparent", server_exchange_header(exchange, "traceparent"));
-    server_log_end_soon(&line);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(call->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    return info ? info->client_addr : NULL;
 }
 
 static enum MHD_Result answer(struct call *call)
@@ -211,7 +250,9 @@ static enum MHD_Result answer(struct call *call)
     struct MHD_Response *response = make_response(call);
     if (!response) return MHD_NO;
     server_metrics_count(exchange->server->metrics, exchange->match.route, exchange->response.status, nanoseconds);
-    log_request(exchange, nanoseconds);
+    server_metrics_count_problem(exchange->server->metrics, exchange->response.problem);
+    server_request_log(exchange, peer_of(call), nanoseconds);
+    server_connection_answer(call->wire, exchange->response.size, exchange->response.stream != NULL);
     enum MHD_Result result = MHD_queue_response(call->connection, exchange->response.status, response);
     MHD_destroy_response(response);
     return result;
@@ -225,6 +266,9 @@ static enum MHD_Result begin(struct call *call, const char *method, const char *
     exchange->method = method;
     exchange->is_http10 = strcmp(version, MHD_HTTP_VERSION_1_0) == 0;
     call->phase = PHASE_BODY;
+    const char *fault = find_fault(call);
+    server_connection_begin(call->wire);
+    if (fault) exchange->fault = fault;
     MHD_get_connection_values(call->connection, MHD_HEADER_KIND, on_header, exchange);
     server_router_begin(exchange);
     if (!exchange->response.close) return MHD_YES;
@@ -271,12 +315,12 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 
 /* --- life --------------------------------------------------------------------------------------------------------- */
 
-/* As many connections as descriptors allow, up to a limit that bounds their memory. */
-static unsigned connection_limit(void)
+/* As many connections as descriptors allow, up to the configured limit, which bounds their memory. */
+static unsigned connection_limit(const struct server_config *config)
 {
     struct rlimit limit;
-    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= CONNECTIONS_MOST + SPARE_DESCRIPTORS)
-        return CONNECTIONS_MOST;
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= config->max_connections + SPARE_DESCRIPTORS)
+        return (unsigned)config->max_connections;
     return limit.rlim_cur > 2 * SPARE_DESCRIPTORS ? (unsigned)limit.rlim_cur - SPARE_DESCRIPTORS : SPARE_DESCRIPTORS;
 }
 
@@ -308,19 +352,32 @@ static void destroy(struct server_http *http)
     free(http);
 }
 
+static struct MHD_Daemon *start_library(struct server_http *http, uint32_t threads)
+{
+    const struct server_config *config = &http->server->config;
+    const struct MHD_OptionItem encrypted[] = {
+        {MHD_OPTION_HTTPS_PRIORITIES, 0, SERVER_TLS_PRIORITIES},
+        {MHD_OPTION_HTTPS_CERT_CALLBACK, 0, server_tls_retrieve()},
+        {MHD_OPTION_END, 0, NULL},
+    };
+    const struct MHD_OptionItem plain[] = {{MHD_OPTION_END, 0, NULL}};
+    unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
+    if (http->server->tls) flags |= MHD_USE_TLS;
+    return MHD_start_daemon(
+        flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
+        MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u,
+        MHD_OPTION_CONNECTION_LIMIT, connection_limit(config), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
+        (unsigned)config->max_address_connections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
+        MHD_OPTION_CONNECTION_TIMEOUT, CONNECTION_TIMEOUT, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_ARRAY,
+        http->server->tls ? encrypted : plain, MHD_OPTION_END);
+}
+
 struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
                                       size_t error_size)
 {
     struct server_http *http = create(server, listening);
-    if (http) {
-        unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
-        http->daemon = MHD_start_daemon(
-            flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
-            MHD_OPTION_LISTEN_SOCKET, listening, MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u,
-            MHD_OPTION_CONNECTION_LIMIT, connection_limit(), MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-            (size_t)CONNECTION_MEMORY, MHD_OPTION_CONNECTION_TIMEOUT, CONNECTION_TIMEOUT, MHD_OPTION_URI_LOG_CALLBACK,
-            on_target, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_END);
-    }
+    if (http) http->daemon = start_library(http, threads);
     if (http && http->daemon) return http;
     snprintf(error, error_size, "the HTTP library could not be started");
     destroy(http);

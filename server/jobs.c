@@ -11,6 +11,7 @@
 
 #include "server/events.h"
 #include "server/kept.h"
+#include "server/key.h"
 #include "server/log.h"
 #include "server/reply.h"
 #include "server/router.h"
@@ -28,6 +29,7 @@ struct server_async {
     struct server_jobs *jobs;
     atomic_uint references;
     char id[ID];
+    char tenant[SERVER_TENANT + 1]; /* whose it is (key.h) */
     char *request;
     int64_t created;
     atomic_uint progress; /* in PROGRESS_STEPS; only grows */
@@ -245,7 +247,8 @@ static void log_end(const struct server_async *job, const struct server_exchange
     server_log_text(&line, "path", exchange->path);
     server_log_text(&line, "route", exchange->match.route->path);
     server_log_integer(&line, "status", exchange->response.status);
-    server_log_text(&line, "code", exchange->response.code);
+    server_log_text(&line, "code", server_exchange_code(exchange));
+    server_log_text(&line, "key", server_grant_name(&exchange->grant));
     server_log_integer(&line, "bytes", (int64_t)exchange->response.size);
     server_log_milliseconds(&line, "ms", gd_now_ns() - exchange->started_ns);
     server_log_text(&line, "request_id", exchange->request_id);
@@ -283,6 +286,7 @@ static struct server_async *create(struct server_jobs *jobs, struct server_excha
     if (!job) return NULL;
     job->jobs = jobs;
     job->references = 1;
+    snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
     job->transport = (struct server_transport){.finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
     if (asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
     if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);
@@ -326,7 +330,14 @@ struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_e
 
 /* --- found, ended, dropped ---------------------------------------------------------------------------------------- */
 
-struct server_async *server_jobs_find(struct server_jobs *jobs, const char *id, size_t size)
+/* Under the lock: may the tenant know of the job? */
+static bool is_known(const struct server_jobs *jobs, const struct server_async *job, const char *tenant,
+                     uint64_t now_ns)
+{
+    return strcmp(job->tenant, tenant) == 0 && !is_expired(jobs, job, now_ns);
+}
+
+struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id, size_t size)
 {
     char text[ID];
     if (size != ID - 1) return NULL;
@@ -335,13 +346,14 @@ struct server_async *server_jobs_find(struct server_jobs *jobs, const char *id, 
     pthread_mutex_lock(&jobs->lock);
     uint32_t place = place_of(jobs, text);
     struct server_async *job = place < jobs->count ? jobs->list[place] : NULL;
-    bool is_found = job && strcmp(job->id, text) == 0 && !is_expired(jobs, job, gd_now_ns());
+    bool is_found = job && strcmp(job->id, text) == 0 && is_known(jobs, job, tenant, gd_now_ns());
     if (is_found) server_async_retain(job);
     pthread_mutex_unlock(&jobs->lock);
     return is_found ? job : NULL;
 }
 
-uint32_t server_jobs_list(struct server_jobs *jobs, const char *after, uint32_t most, struct server_async **out)
+uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after, uint32_t most,
+                          struct server_async **out)
 {
     uint32_t count = 0;
     uint64_t now = gd_now_ns();
@@ -349,7 +361,7 @@ uint32_t server_jobs_list(struct server_jobs *jobs, const char *after, uint32_t 
     uint32_t place = after ? place_of(jobs, after) : 0;
     if (after && place < jobs->count && strcmp(jobs->list[place]->id, after) == 0) place++;
     for (; place < jobs->count && count < most; place++)
-        if (!is_expired(jobs, jobs->list[place], now)) out[count++] = server_async_retain(jobs->list[place]);
+        if (is_known(jobs, jobs->list[place], tenant, now)) out[count++] = server_async_retain(jobs->list[place]);
     pthread_mutex_unlock(&jobs->lock);
     return count;
 }

@@ -39,11 +39,13 @@ void server_jobs_destroy(struct server_jobs *jobs);
 struct server_async *server_jobs_start(struct server_jobs *jobs, struct server_exchange *exchange,
                                        struct proto_problem *problem);
 
-/* The job of that id, for the caller to release; NULL: there is none, or none any more. */
-struct server_async *server_jobs_find(struct server_jobs *jobs, const char *id, size_t size);
+/* The tenant's job of that id, for the caller to release; NULL: he has none, or none any more. */
+struct server_async *server_jobs_find(struct server_jobs *jobs, const char *tenant, const char *id, size_t size);
 
-/* At most `most` jobs whose ids follow `after` (NULL: from the first), for the caller to release; returns how many. */
-uint32_t server_jobs_list(struct server_jobs *jobs, const char *after, uint32_t most, struct server_async **out);
+/* At most `most` of the tenant's jobs, whose ids follow `after` (NULL: from the first), for the caller to release; returns how
+ * many. */
+uint32_t server_jobs_list(struct server_jobs *jobs, const char *tenant, const char *after, uint32_t most,
+                          struct server_async **out);
 
 /* Cancels a job that has not ended, removes one that has. */
 void server_jobs_cancel(struct server_jobs *jobs, struct server_async *job);

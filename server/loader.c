@@ -5,6 +5,7 @@
 
 #include "server/build.h"
 #include "server/field_store.h"
+#include "server/kind.h"
 #include "server/log.h"
 
 static bool on_progress(void *user, double fraction)
@@ -19,38 +20,58 @@ static enum server_loader_outcome complain(const struct server_record *record, c
                                            struct proto_problem *problem)
 {
     struct server_log_line line;
-    if (server_log_begin(&line, SERVER_LOG_ERROR, "mesh_unavailable")) {
-        server_log_text(&line, "name", record->name);
+    if (server_log_begin(&line, SERVER_LOG_ERROR, "surface_unavailable")) {
+        server_log_text(&line, "key", record->key);
         server_log_text(&line, "sha256", record->sha256);
         server_log_text(&line, "message", what);
         server_log_end(&line);
     }
     proto_problem_set(problem, PROTO_PROBLEM_INTERNAL,
-                      "the stored file of this mesh is unavailable (%s); upload the mesh again to replace it", what);
+                      "the stored file of this %s is unavailable (%s); upload the %s again to replace it",
+                      record->kind->noun, what, record->kind->noun);
     return SERVER_LOADER_DAMAGED;
 }
 
-/* Is the record its name's still? Asked after its bytes were missed: they go only after the registry has forgotten
+/* Is the record its key's still? Asked after its bytes were missed: they go only after the registry has forgotten
  * the record (store.h), so if it is, they are missing indeed. */
 static bool is_current(struct server *server, const struct server_record *record)
 {
+    const struct server_key key = server_record_key(record);
     struct server_listed listed;
-    if (!server_registry_find(server->registry, record->name, &listed)) return false;
+    if (!server_registry_find(server->registry, &key, &listed)) return false;
     bool is_same = listed.record == record;
     server_listed_release(&listed);
     return is_same;
 }
 
-static enum server_loader_outcome fetch(struct server *server, const struct server_record *record, void **bytes,
-                                        struct proto_problem *problem)
+/* One load under way: its parts, and what they take of SERVER_BUDGET_FLIGHT. */
+struct loading {
+    struct server *server;
+    struct server_record *record;
+    struct server_builder builder;
+    void *parts[SERVER_PARTS];
+    size_t held;
+};
+
+static enum server_loader_outcome take(struct loading *loading, struct proto_problem *problem)
 {
-    switch (server_registry_fetch(server->registry, record, bytes)) {
+    const struct server_record *record = loading->record;
+    size_t bytes = (size_t)(record->size + record->attachment_size);
+    if (server_build_take(&loading->builder, record, bytes, problem)) return SERVER_LOADER_NO_MEMORY;
+    loading->held = bytes;
+    return SERVER_LOADER_LOADED;
+}
+
+static enum server_loader_outcome fetch(struct loading *loading, enum server_part part, struct proto_problem *problem)
+{
+    const struct server_record *record = loading->record;
+    switch (server_registry_fetch(loading->server->registry, record, part, &loading->parts[part])) {
     case SERVER_STORE_DONE:
         return SERVER_LOADER_LOADED;
     case SERVER_STORE_ABSENT:
-        return is_current(server, record) ? complain(record, "it is missing", problem) : SERVER_LOADER_GONE;
+        return is_current(loading->server, record) ? complain(record, "it is missing", problem) : SERVER_LOADER_GONE;
     case SERVER_STORE_NO_MEMORY:
-        server_budget_refuse(&server->budget, "the mesh", (size_t)record->size, problem);
+        server_build_refuse(&loading->builder, record, GD_BUDGET, NULL, problem);
         return SERVER_LOADER_NO_MEMORY;
     case SERVER_STORE_DAMAGED:
         return complain(record, "it is damaged: its SHA-256 is another one", problem);
@@ -59,38 +80,61 @@ static enum server_loader_outcome fetch(struct server *server, const struct serv
     }
 }
 
-static enum server_loader_outcome build(struct server *server, struct server_record *record, const void *bytes,
-                                        const struct gd_control *control, struct server_surface **out,
+static enum server_loader_outcome fetch_all(struct loading *loading, struct proto_problem *problem)
+{
+    enum server_loader_outcome outcome = SERVER_LOADER_LOADED;
+    struct server_object object;
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
+        if (server_record_object(loading->record, part, &object)) outcome = fetch(loading, part, problem);
+    return outcome;
+}
+
+/* The attachment becomes the surface's. */
+static void attach(struct loading *loading, struct server_surface *surface)
+{
+    if (!loading->parts[SERVER_PART_ATTACHMENT]) return;
+    server_surface_attach(surface, loading->parts[SERVER_PART_ATTACHMENT]);
+    loading->parts[SERVER_PART_ATTACHMENT] = NULL;
+    loading->held -= (size_t)loading->record->attachment_size;
+}
+
+static enum server_loader_outcome build(struct loading *loading, struct server_surface **out,
                                         struct proto_problem *problem)
 {
-    const struct server_builder builder = {.budget = &server->budget,
-                                           .cache = server->cache,
-                                           .max_faces = (uint32_t)server->config.max_faces,
-                                           .control = *control};
     struct proto_problem refusal;
-    enum gd_status status = server_build_surface(&builder, record, bytes, out, &refusal);
-    if (!status) return SERVER_LOADER_LOADED;
+    enum gd_status status =
+        server_build_surface(&loading->builder, loading->record, loading->parts[SERVER_PART_FILE], out, &refusal);
+    if (!status) {
+        attach(loading, *out);
+        return SERVER_LOADER_LOADED;
+    }
     *problem = refusal;
     if (status == GD_BUDGET || status == GD_NO_MEMORY) return SERVER_LOADER_NO_MEMORY;
     if (status == GD_DEADLINE || status == GD_CANCELLED) return SERVER_LOADER_ENDED;
-    return complain(record, refusal.detail, problem);
+    return complain(loading->record, refusal.detail, problem);
+}
+
+static void end(struct loading *loading)
+{
+    for (int part = 0; part < SERVER_PARTS; part++) free(loading->parts[part]);
+    server_budget_give(&loading->server->budget, SERVER_BUDGET_FLIGHT, loading->held);
 }
 
 enum server_loader_outcome server_loader_load(struct server *server, struct server_record *record, uint64_t deadline_ns,
                                               struct server_surface **out, struct proto_problem *problem)
 {
     const struct gd_control control = {.deadline_ns = deadline_ns, .progress = on_progress, .user = server};
-    size_t size = (size_t)record->size;
-    void *bytes = NULL;
-    if (!server_budget_take(&server->budget, SERVER_BUDGET_FLIGHT, size)) {
-        server_budget_refuse(&server->budget, "the mesh", size, problem);
-        return SERVER_LOADER_NO_MEMORY;
-    }
+    struct loading loading = {.server = server,
+                              .record = record,
+                              .builder = {.budget = &server->budget,
+                                          .cache = server->cache,
+                                          .max_faces = (uint32_t)server->config.max_faces,
+                                          .control = control}};
     struct server_surface *surface = NULL;
-    enum server_loader_outcome outcome = fetch(server, record, &bytes, problem);
-    if (!outcome) outcome = build(server, record, bytes, &control, &surface, problem);
-    free(bytes);
-    server_budget_give(&server->budget, SERVER_BUDGET_FLIGHT, size);
+    enum server_loader_outcome outcome = take(&loading, problem);
+    if (!outcome) outcome = fetch_all(&loading, problem);
+    if (!outcome) outcome = build(&loading, &surface, problem);
+    end(&loading);
     if (outcome) return outcome;
     if (server->config.persist_fields) server_field_store_restore(server->fields, surface, &control);
     server_registry_keep(server->registry, surface);

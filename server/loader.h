@@ -7,8 +7,8 @@
 
 enum server_loader_outcome {
     SERVER_LOADER_LOADED,
-    SERVER_LOADER_GONE,      /* the name was replaced or removed meanwhile: look again; there is no problem */
-    SERVER_LOADER_DAMAGED,   /* its bytes are missing, or not what was uploaded, or make no mesh any more */
+    SERVER_LOADER_GONE,      /* the key was replaced or removed meanwhile: look again; there is no problem */
+    SERVER_LOADER_DAMAGED,   /* its bytes are missing, or not what was stored, or make no surface any more */
     SERVER_LOADER_NO_MEMORY, /* over the budget */
     SERVER_LOADER_ENDED      /* by its deadline or the daemon's drain */
 };

@@ -7,6 +7,7 @@
 
 #include "gd/cpu.h"
 #include "server/config.h"
+#include "server/keygen.h"
 #include "server/log.h"
 #include "server/server.h"
 #include "server/store_tools.h"
@@ -14,40 +15,57 @@
 
 #define EXIT_USAGE 2
 
-/* Blocks the signals that end the daemon, before any thread is started: they are waited for, not handled. */
-static void block_signals(sigset_t *ending)
+/* Blocks the signals that end the daemon, or have it read keys and certificates again, before any thread is started: they
+ * are waited for, not handled. */
+static void block_signals(sigset_t *awaited)
 {
-    sigemptyset(ending);
-    sigaddset(ending, SIGTERM);
-    sigaddset(ending, SIGINT);
-    pthread_sigmask(SIG_BLOCK, ending, NULL);
+    sigemptyset(awaited);
+    sigaddset(awaited, SIGHUP);
+    sigaddset(awaited, SIGTERM);
+    sigaddset(awaited, SIGINT);
+    pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
 }
 
-static void wait_for_end(const sigset_t *ending)
+static void wait_for_end(struct server *server, const sigset_t *awaited)
 {
     int number;
-    while (sigwait(ending, &number) != 0) continue;
+    for (;;) {
+        while (sigwait(awaited, &number) != 0) continue;
+        if (number != SIGHUP) break;
+        server_reload(server);
+    }
     server_log_message(SERVER_LOG_INFO, "signal", "%s", strsignal(number));
 }
 
-static void log_address(const struct server_address *address)
+static void log_address(const struct server_config *config)
 {
     char text[SERVER_ADDRESS_TEXT];
     struct server_log_line line;
-    server_address_format(address, text);
+    server_address_format(&config->listen, text);
     if (!server_log_begin(&line, SERVER_LOG_INFO, "listening")) return;
     server_log_text(&line, "address", text);
+    server_log_text(&line, "protocol", *config->tls_cert ? "https" : "http");
     server_log_text(&line, "version", SERVER_VERSION);
     server_log_text(&line, "cpu", gd_cpu_name());
     server_log_end(&line);
 }
 
+static void warn_of_clear_keys(const struct server_config *config)
+{
+    if (!*config->keys || *config->tls_cert || server_address_is_local(&config->listen)) return;
+    server_log_message(
+        SERVER_LOG_WARN, "keys_in_clear",
+        "keys come unencrypted: give --tls-cert and --tls-key, or listen behind a proxy that speaks TLS");
+}
+
 int main(int argc, char *argv[])
 {
     struct server_config config;
-    sigset_t ending;
-    char error[256];
+    sigset_t awaited;
+    char error[512];
+    if (argc > 1 && strcmp(argv[1], "keygen") == 0)
+        return server_keygen(argc - 2, argv + 2, stdout, stderr) ? EXIT_SUCCESS : EXIT_USAGE;
     switch (server_config_load(&config, argc, argv, stdout, stderr)) {
     case SERVER_CONFIG_DONE:
         return EXIT_SUCCESS;
@@ -60,7 +78,7 @@ int main(int argc, char *argv[])
     if (config.check_store) return server_store_check(config.data_dir, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.backup)
         return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
-    block_signals(&ending);
+    block_signals(&awaited);
     server_log_start();
     struct server *server = server_start(&config, error, sizeof error);
     if (!server) {
@@ -68,8 +86,9 @@ int main(int argc, char *argv[])
         server_log_stop();
         return EXIT_FAILURE;
     }
-    log_address(&server->config.listen);
-    wait_for_end(&ending);
+    log_address(&server->config);
+    warn_of_clear_keys(&server->config);
+    wait_for_end(server, &awaited);
     server_stop(server);
     server_log_stop();
     return EXIT_SUCCESS;

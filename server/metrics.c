@@ -8,6 +8,8 @@
 
 #include "gd/control.h"
 #include "gd/cpu.h"
+#include "server/access.h"
+#include "server/connections.h"
 #include "server/events.h"
 #include "server/jobs.h"
 #include "server/server.h"
@@ -25,6 +27,9 @@ static const unsigned statuses[] = {200, 201, 202, 204, 304, 400, 401, 403, 404,
                                     410, 411, 412, 413, 415, 422, 429, 500, 503, 504, 507};
 #define STATUSES (sizeof statuses / sizeof *statuses + 1) /* the last one is for any other */
 
+/* The last code, and so the number of codes. */
+#define PROBLEMS (PROTO_PROBLEM_INSUFFICIENT_STORAGE + 1)
+
 /* What is counted for one route by one shard. */
 struct cell {
     atomic_uint_least64_t by_status[STATUSES];
@@ -37,6 +42,7 @@ struct server_metrics {
     size_t route_count; /* cells are one more: the last is for requests that found no route */
     struct cell *shards[SHARDS];
     atomic_uint_least64_t failed_checks, searches;
+    atomic_uint_least64_t problems[PROBLEMS]; /* by code */
     uint64_t started_ns;
 };
 
@@ -105,6 +111,11 @@ void server_metrics_count(struct server_metrics *metrics, const struct proto_rou
     add(&cell->by_status[status_index(status)], 1);
     add(&cell->by_latency[bucket_index(nanoseconds)], 1);
     add(&cell->nanoseconds, nanoseconds);
+}
+
+void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code)
+{
+    if (code != PROTO_PROBLEM_NONE) add(&metrics->problems[code], 1);
 }
 
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status)
@@ -208,6 +219,24 @@ static void write_one(struct proto_writer *writer, const char *name, const char 
     proto_append_format(writer, "geodesicd_%s %.17g\n", name, value);
 }
 
+static void write_problems(const struct server_metrics *metrics, struct proto_writer *writer)
+{
+    write_head(writer, "problems_total", "counter", "Requests refused or failed, by the code of the problem.");
+    for (int code = PROTO_PROBLEM_NONE + 1; code < PROBLEMS; code++)
+        proto_append_format(writer, "geodesicd_problems_total{code=\"%s\"} %llu\n", proto_problem_name(code),
+                            (unsigned long long)atomic_load(&metrics->problems[code]));
+}
+
+static void write_connections(struct server *server, struct proto_writer *writer)
+{
+    struct server_connections_statistics found = server_connections_statistics(server->connections);
+    write_one(writer, "connections", "gauge", "Connections that are open.", (double)found.open);
+    write_one(writer, "connections_cut_total", "counter",
+              "Connections cut because headers were sent, or an answer was taken, too slowly.", (double)found.cut);
+    write_one(writer, "malformed_requests_total", "counter", "Requests that broke the grammar of HTTP.",
+              (double)found.faults);
+}
+
 static void write_workers(struct server *server, struct proto_writer *writer)
 {
     struct server_workers_load load = server_workers_load(server->workers);
@@ -297,6 +326,9 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     write_requests(metrics, writer);
     write_head(writer, "request_seconds", "histogram", "Time from the request line to the answer.");
     for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
+    write_problems(metrics, writer);
+    write_connections(server, writer);
+    server_access_write(server->access, writer);
     write_workers(server, writer);
     write_cache(server, writer);
     write_searches(metrics, server, writer);

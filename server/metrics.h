@@ -23,6 +23,9 @@ void server_metrics_destroy(struct server_metrics *metrics); /* NULL is harmless
 void server_metrics_count(struct server_metrics *metrics, const struct proto_route *route, unsigned status,
                           uint64_t nanoseconds);
 
+/* Counts a problem that was replied; PROTO_PROBLEM_NONE: none was. */
+void server_metrics_count_problem(struct server_metrics *metrics, enum proto_problem_code code);
+
 /* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it is. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 

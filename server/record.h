@@ -1,17 +1,27 @@
-/* Record: what is remembered of a surface: its name, what it was made from, what it is. Not the mesh, nor its bytes.
+/* Record: what is remembered of a surface: whose it is, its kind and name, what it was made from, what it is. Not the surface,
+ * nor the bytes.
  *
- *     geodesicd record 1
+ *     geodesicd record 2
+ *     kind mesh                                        its word (kind.h)
+ *     tenant                                           whose it is; nothing: the daemon has no tenants
  *     name bunny
- *     sha256 4ffd…                                     of the uploaded bytes
- *     size 2911433                                     of the uploaded bytes
+ *     sha256 4ffd…                                     of the file
+ *     size 2911433                                     of the file
+ *     attachment 77c0… 575152                          the same of the attachment; nothing: there is none
  *     created 1763730000                               seconds since 1970
- *     memory 18402304                                  bytes of the mesh when it is in memory
+ *     memory 18402304                                  bytes of the surface when it is in memory
  *     options format=obj&triangulate=true              as in the upload's query string, the format as it was found
- *     description {"name":"bunny",…}                   as GET answers while the mesh is not in memory
+ *     description {"name":"bunny",…}                   as GET answers while the surface is not in memory
  *     checksum 9a0f…                                   SHA-256 of all the lines above
  *
- * That text is the manifest of a durable store and the row of its database. A record is complete before it is shared
- * and immutable from then on, but for its catalogue; it is counted. */
+ * That text is the manifest of a durable store and the row of its database. Version 1, which is read as well, has neither kind (a
+ * mesh), nor tenant (none), nor attachment (none). A record is complete before it is shared and immutable from then on, but for
+ * its catalogue; it is counted.
+ *
+ * A surface is made from up to two objects: its file, which a client uploaded or the daemon wrote, and, of a mesh that the daemon
+ * made from another surface, an attachment: bytes that mean something only to its maker, such as where on that surface each
+ * vertex lies. Objects are known by their content, and shared by the surfaces of one tenant: what one tenant uploads is not told
+ * by how long the same takes another. */
 #ifndef SERVER_RECORD_H
 #define SERVER_RECORD_H
 
@@ -20,38 +30,71 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "proto/mesh.h"
+#include "server/key.h"
+#include "server/options.h"
 #include "server/sha256.h"
 
-#define SERVER_ETAG 33 /* with the NUL */
+#define SERVER_ETAG   33                                      /* with the NUL */
+#define SERVER_OBJECT (SERVER_SHA256_HEX + SERVER_TENANT + 1) /* bytes of an object's id, with the NUL */
 
 struct server_catalogue;
 
 struct server_record {
     atomic_uint references;
     _Atomic(struct server_catalogue *) catalogue; /* of fields; NULL: there was none as yet */
+    const struct server_kind *kind;
+    char tenant[SERVER_TENANT + 1];
     char name[PROTO_MESH_NAME + 1];
-    char sha256[SERVER_SHA256_HEX];
-    char etag[SERVER_ETAG]; /* without quotes: of the bytes and the options */
-    struct proto_mesh_options options;
-    uint64_t size, memory;
+    char key[SERVER_KEY_TEXT];                                            /* text of the three */
+    char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX]; /* empty: there is none */
+    uint64_t size, attachment_size;
+    char etag[SERVER_ETAG]; /* without quotes: of the objects and the options, the kind and the tenant */
+    char options[SERVER_OPTIONS];
+    uint64_t memory;
     int64_t created;
     char *description; /* JSON, NUL-terminated, one line, owned */
 };
 
-/* A record of `size` bytes with that hash, created now; memory and description are for the caller to fill in. The
- * caller has one reference. NULL without memory. */
-struct server_record *server_record_create(const char *name, const char sha256[SERVER_SHA256_HEX], size_t size,
-                                           const struct proto_mesh_options *options);
+/* What a record is made of; all strings are borrowed. */
+struct server_origin {
+    struct server_key key;
+    const char *sha256; /* of the file */
+    size_t size;
+    const char *options;           /* as the kind's read_options wrote them */
+    const char *attachment_sha256; /* NULL: there is none */
+    size_t attachment_size;
+};
+
+/* A record that is created now; memory and description are for the caller to fill in. The caller has one reference. NULL
+ * without memory. */
+struct server_record *server_record_create(const struct server_origin *origin);
 
 struct server_record *server_record_retain(struct server_record *record);
 void server_record_release(struct server_record *record); /* NULL is harmless */
 
+/* Its key, borrowed from the record. */
+struct server_key server_record_key(const struct server_record *record);
+
 /* The fields that clients know of this version of the mesh (catalogue.h); the record's. NULL without memory. */
 struct server_catalogue *server_record_catalogue(struct server_record *record);
 
-/* Are they made from the same bytes with the same options, under the same name? */
+/* Are they made from the same objects with the same options, under the same key? */
 bool server_record_equal(const struct server_record *a, const struct server_record *b);
+
+/* --- its objects -------------------------------------------------------------------------------------------------- */
+
+enum server_part { SERVER_PART_FILE, SERVER_PART_ATTACHMENT, SERVER_PARTS };
+
+/* An object of the store's. */
+struct server_object {
+    char id[SERVER_OBJECT]; /* SHA-256 of its bytes, and of a tenant's a dot and the tenant */
+    uint64_t size;
+};
+
+/* The object of that part; false: the surface has none. */
+bool server_record_object(const struct server_record *record, enum server_part part, struct server_object *out);
+
+/* --- as a text ---------------------------------------------------------------------------------------------------- */
 
 /* The text, NUL-terminated, malloc'ed; NULL without memory. */
 char *server_record_write(const struct server_record *record, size_t *size);
@@ -59,15 +102,15 @@ char *server_record_write(const struct server_record *record, size_t *size);
 enum server_record_reading {
     SERVER_RECORD_READ,
     SERVER_RECORD_DAMAGED,  /* not what was written */
-    SERVER_RECORD_NEWER,    /* written by a later version of this program */
+    SERVER_RECORD_NEWER,    /* written by a later version of this program, or of a kind that only a later one has */
     SERVER_RECORD_NO_MEMORY /* of this process */
 };
 
 /* Reads the text; on success the caller has one reference of `*out`. No text, however damaged, does harm. */
 enum server_record_reading server_record_read(const char *text, size_t size, struct server_record **out);
 
-/* The same of the record of that name: DAMAGED if it is another's. */
-enum server_record_reading server_record_read_named(const char *name, const char *text, size_t size,
+/* The same of the record whose key has that text: DAMAGED if it is another's. */
+enum server_record_reading server_record_read_named(const char *key, const char *text, size_t size,
                                                     struct server_record **out);
 
 #endif

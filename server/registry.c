@@ -97,6 +97,7 @@ struct server_registry *server_registry_create(struct server_store *store, struc
     pthread_mutex_init(&registry->writing, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
     store->each(store, on_stored, registry);
+    server_slots_sort(registry);
     if (registry->is_incomplete || !registry->writer) {
         server_registry_destroy(registry);
         return NULL;
@@ -145,19 +146,19 @@ static struct server_listed share(const struct server_slot *slot)
                                   slot->surface ? server_surface_retain(slot->surface) : NULL};
 }
 
-bool server_registry_find(struct server_registry *registry, const char *name, struct server_listed *out)
+bool server_registry_find(struct server_registry *registry, const struct server_key *key, struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, name);
+    struct server_slot *slot = server_slots_find(registry, key);
     if (slot) *out = share(slot);
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;
 }
 
-bool server_registry_use(struct server_registry *registry, const char *name, struct server_listed *out)
+bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, name);
+    struct server_slot *slot = server_slots_find(registry, key);
     if (slot) {
         server_slot_touch(registry, slot);
         *out = share(slot);
@@ -166,14 +167,39 @@ bool server_registry_use(struct server_registry *registry, const char *name, str
     return slot != NULL;
 }
 
-uint32_t server_registry_list(struct server_registry *registry, const char *after, uint32_t most,
+/* Under the lock: index of the first slot that follows the key. */
+static uint32_t place_after(const struct server_registry *registry, const struct server_key *key)
+{
+    uint32_t at = server_slots_lower_bound(registry, key);
+    return server_slots_find(registry, key) ? at + 1 : at;
+}
+
+static bool is_beside(const struct server_record *record, const struct server_key *key)
+{
+    return record->kind == key->kind && strcmp(record->tenant, key->tenant) == 0;
+}
+
+uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after, uint32_t most,
                               struct server_listed *out)
+{
+    const struct server_key from = {after->tenant, after->kind, after->name ? after->name : ""};
+    uint32_t listed = 0;
+    pthread_rwlock_rdlock(&registry->lock);
+    for (uint32_t at = place_after(registry, &from); listed < most && at < registry->count; at++) {
+        if (!is_beside(registry->slots[at]->record, &from)) break;
+        out[listed++] = share(registry->slots[at]);
+    }
+    pthread_rwlock_unlock(&registry->lock);
+    return listed;
+}
+
+uint32_t server_registry_list_all(struct server_registry *registry, const struct server_key *after, uint32_t most,
+                                  struct server_listed *out)
 {
     uint32_t listed = 0;
     pthread_rwlock_rdlock(&registry->lock);
-    uint32_t at = after ? server_slots_lower_bound(registry, after) : 0;
-    if (after && at < registry->count && strcmp(registry->slots[at]->record->name, after) == 0) at++;
-    for (; listed < most && at < registry->count; at++) out[listed++] = share(registry->slots[at]);
+    for (uint32_t at = after ? place_after(registry, after) : 0; listed < most && at < registry->count; at++)
+        out[listed++] = share(registry->slots[at]);
     pthread_rwlock_unlock(&registry->lock);
     return listed;
 }
@@ -196,15 +222,16 @@ const char *server_registry_health(struct server_registry *registry)
 /* --- loading ------------------------------------------------------------------------------------------------------ */
 
 enum server_store_outcome server_registry_fetch(struct server_registry *registry, const struct server_record *record,
-                                                void **bytes)
+                                                enum server_part part, void **bytes)
 {
-    return registry->store->fetch(registry->store, record, bytes);
+    return registry->store->fetch(registry->store, record, part, bytes);
 }
 
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)
 {
+    const struct server_key key = server_record_key(surface->record);
     pthread_rwlock_wrlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, surface->record->name);
+    struct server_slot *slot = server_slots_find(registry, &key);
     if (slot && slot->record == surface->record && !slot->surface) {
         slot->surface = server_surface_retain(surface);
         atomic_fetch_add(&registry->loads, 1);

@@ -1,6 +1,6 @@
-/* Registry: the surfaces by name, those in memory and those that can be loaded.
+/* Registry: the surfaces by key (key.h), those in memory and those that can be loaded.
  *
- * DESIGN. An array of slots sorted by name. A slot has a record, and the surface while it is in memory. What a name
+ * DESIGN. An array of slots sorted by key. A slot has a record, and the surface while it is in memory. What a key
  * is changes under the writer lock, which is held while the store makes the change durable: so conditions are
  * decided together with the write. The slots change under a reader-writer lock that is held for moments only: so
  * reading never waits for the disk. Who writes waits for it, and for those who wrote before: no worker has time for
@@ -39,19 +39,19 @@ void server_registry_cancel(struct server_registry *registry);
 void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record), void *user);
 
-/* Puts a surface under its record's name, durably, together with the bytes that it was made from (borrowed):
- * CREATED or REPLACED. If the name has this very record already, the surface is only kept in memory and its bytes are
- * made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY. */
+/* Puts a surface under its record's key, durably, together with the bytes of the file that it was made from (borrowed) and
+ * its attachment: CREATED or REPLACED. If the key has this very record already, the surface is only kept in memory and its
+ * bytes are made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY. */
 enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
                                               const void *bytes, const struct server_precondition *precondition);
 
-/* Makes sure that the bytes that a record was made from are stored, and whole: REPLACED; ABSENT: it is not, or no
- * longer, the name's record. Else as for a put. */
-enum server_store_outcome server_registry_confirm(struct server_registry *registry, const struct server_record *record,
-                                                  const void *bytes);
+/* Makes sure that the bytes that a surface was made from are stored, and whole: REPLACED; ABSENT: its record is not, or no
+ * longer, the key's. Else as for a put. */
+enum server_store_outcome server_registry_confirm(struct server_registry *registry,
+                                                  const struct server_surface *surface, const void *bytes);
 
 /* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY. */
-enum server_store_outcome server_registry_remove(struct server_registry *registry, const char *name,
+enum server_store_outcome server_registry_remove(struct server_registry *registry, const struct server_key *key,
                                                  const struct server_precondition *precondition);
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
@@ -65,23 +65,28 @@ void server_listed_release(struct server_listed *listed);
 /* True when a record has that ETag. Time linear in the number of records. */
 bool server_registry_holds(struct server_registry *registry, const char *etag);
 
-/* The surface of that name, its parts retained; false: there is none. */
-bool server_registry_find(struct server_registry *registry, const char *name, struct server_listed *out);
+/* The surface of that key, its parts retained; false: there is none. */
+bool server_registry_find(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
 
 /* The same, and its use is counted. */
-bool server_registry_use(struct server_registry *registry, const char *name, struct server_listed *out);
+bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
 
-/* Up to `most` with names after `after` (NULL: from the first), in byte order, each retained; returns how many. */
-uint32_t server_registry_list(struct server_registry *registry, const char *after, uint32_t most,
+/* Up to `most` of the tenant and kind of `after`, with names after its name (NULL: from the first), in byte order, each
+ * retained; returns how many. */
+uint32_t server_registry_list(struct server_registry *registry, const struct server_key *after, uint32_t most,
                               struct server_listed *out);
+
+/* The same of all tenants and kinds, in the order of their keys; `after` NULL: from the first. */
+uint32_t server_registry_list_all(struct server_registry *registry, const struct server_key *after, uint32_t most,
+                                  struct server_listed *out);
 
 /* --- loading --- */
 
-/* The verified bytes of a record (record->size of them), malloc'ed: see store.h. */
+/* The verified bytes of a part that the record's surface has, malloc'ed: see store.h. */
 enum server_store_outcome server_registry_fetch(struct server_registry *registry, const struct server_record *record,
-                                                void **bytes);
+                                                enum server_part part, void **bytes);
 
-/* Keeps a surface in memory that was loaded, if its record is still the one of that name and no other was quicker. */
+/* Keeps a surface in memory that was loaded, if its record is still the one of its key and no other was quicker. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
 /* Of the surfaces that are not in memory, the one that was used most; its record retained, or NULL. Each is given

@@ -5,12 +5,18 @@
 #include <string.h>
 #include <time.h>
 
-uint32_t server_slots_lower_bound(const struct server_registry *registry, const char *name)
+static int compare(const struct server_slot *slot, const struct server_key *key)
+{
+    const struct server_key own = server_record_key(slot->record);
+    return server_key_compare(&own, key);
+}
+
+uint32_t server_slots_lower_bound(const struct server_registry *registry, const struct server_key *key)
 {
     uint32_t low = 0, high = registry->count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (strcmp(registry->slots[middle]->record->name, name) < 0)
+        if (compare(registry->slots[middle], key) < 0)
             low = middle + 1;
         else
             high = middle;
@@ -18,11 +24,23 @@ uint32_t server_slots_lower_bound(const struct server_registry *registry, const 
     return low;
 }
 
-struct server_slot *server_slots_find(const struct server_registry *registry, const char *name)
+struct server_slot *server_slots_find(const struct server_registry *registry, const struct server_key *key)
 {
-    uint32_t at = server_slots_lower_bound(registry, name);
-    if (at == registry->count || strcmp(registry->slots[at]->record->name, name) != 0) return NULL;
+    uint32_t at = server_slots_lower_bound(registry, key);
+    if (at == registry->count || compare(registry->slots[at], key) != 0) return NULL;
     return registry->slots[at];
+}
+
+static int by_key(const void *a, const void *b)
+{
+    const struct server_slot *const *first = a, *const *second = b;
+    const struct server_key key = server_record_key((*second)->record);
+    return compare(*first, &key);
+}
+
+void server_slots_sort(struct server_registry *registry)
+{
+    if (registry->count) qsort(registry->slots, registry->count, sizeof(struct server_slot *), by_key);
 }
 
 bool server_slots_reserve(struct server_registry *registry)
@@ -45,15 +63,16 @@ struct server_slot *server_slot_create(struct server_record *record)
 
 void server_slots_insert(struct server_registry *registry, struct server_slot *slot)
 {
-    uint32_t at = server_slots_lower_bound(registry, slot->record->name);
+    const struct server_key key = server_record_key(slot->record);
+    uint32_t at = server_slots_lower_bound(registry, &key);
     memmove(&registry->slots[at + 1], &registry->slots[at], (registry->count - at) * sizeof(struct server_slot *));
     registry->slots[at] = slot;
     registry->count++;
 }
 
-struct server_slot *server_slots_extract(struct server_registry *registry, const char *name)
+struct server_slot *server_slots_extract(struct server_registry *registry, const struct server_key *key)
 {
-    uint32_t at = server_slots_lower_bound(registry, name);
+    uint32_t at = server_slots_lower_bound(registry, key);
     struct server_slot *slot = registry->slots[at];
     registry->count--;
     memmove(&registry->slots[at], &registry->slots[at + 1], (registry->count - at) * sizeof(struct server_slot *));

@@ -24,7 +24,7 @@ struct server_registry {
     struct server_workers *writer; /* of one thread */
     pthread_mutex_t writing;
     pthread_rwlock_t lock;
-    struct server_slot **slots; /* sorted by name */
+    struct server_slot **slots; /* sorted by key */
     uint32_t count, capacity;
     void (*gone)(void *user, const struct server_record *record); /* NULL: nobody wants to know */
     void *gone_user;
@@ -34,11 +34,14 @@ struct server_registry {
 
 /* --- under the lock ----------------------------------------------------------------------------------------------- */
 
-/* Index of the first slot whose name is not before `name`. O(log n). */
-uint32_t server_slots_lower_bound(const struct server_registry *registry, const char *name);
+/* Index of the first slot whose key is not before `key`. The key's name may be "", which is before all others. O(log n). */
+uint32_t server_slots_lower_bound(const struct server_registry *registry, const struct server_key *key);
 
-/* NULL: there is none of that name. O(log n). */
-struct server_slot *server_slots_find(const struct server_registry *registry, const char *name);
+/* NULL: there is none of that key. O(log n). */
+struct server_slot *server_slots_find(const struct server_registry *registry, const struct server_key *key);
+
+/* Puts slots that were added in any order into theirs. O(n log n). */
+void server_slots_sort(struct server_registry *registry);
 
 /* Makes room for one more; false without memory. */
 bool server_slots_reserve(struct server_registry *registry);
@@ -46,8 +49,8 @@ bool server_slots_reserve(struct server_registry *registry);
 /* Room was reserved. O(n). */
 void server_slots_insert(struct server_registry *registry, struct server_slot *slot);
 
-/* Takes out the slot of that name, which there is. O(n). */
-struct server_slot *server_slots_extract(struct server_registry *registry, const char *name);
+/* Takes out the slot of that key, which there is. O(n). */
+struct server_slot *server_slots_extract(struct server_registry *registry, const struct server_key *key);
 
 /* Counts a use, now. */
 void server_slot_touch(struct server_registry *registry, struct server_slot *slot);

@@ -33,11 +33,11 @@ void server_registry_cancel(struct server_registry *registry)
     server_workers_cancel(registry->writer);
 }
 
-/* Under the writer lock: nobody else changes what a name is. */
-static struct server_slot *current(struct server_registry *registry, const char *name)
+/* Under the writer lock: nobody else changes what a key is. */
+static struct server_slot *current(struct server_registry *registry, const struct server_key *key)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, name);
+    struct server_slot *slot = server_slots_find(registry, key);
     pthread_rwlock_unlock(&registry->lock);
     return slot;
 }
@@ -68,12 +68,19 @@ static struct server_slot *prepare_slot(struct server_registry *registry, struct
     return slot;
 }
 
+/* What the surface is made from; `bytes`: its file. */
+static struct server_content content_of(const struct server_surface *surface, const void *bytes)
+{
+    return (struct server_content){
+        .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}};
+}
+
 static enum server_store_outcome put_new(struct server_registry *registry, struct server_surface *surface,
-                                         const void *bytes)
+                                         const struct server_content *content)
 {
     struct server_slot *slot = prepare_slot(registry, surface);
     if (!slot) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = registry->store->put(registry->store, surface->record, bytes);
+    enum server_store_outcome outcome = registry->store->put(registry->store, surface->record, content);
     if (outcome) {
         server_record_release(slot->record);
         server_surface_release(slot->surface); /* not retired: it is its maker's still */
@@ -90,12 +97,14 @@ static enum server_store_outcome put_under_lock(struct server_registry *registry
                                                 const void *bytes, const struct server_precondition *precondition,
                                                 struct server_listed *before)
 {
-    struct server_slot *slot = current(registry, surface->record->name);
+    const struct server_content content = content_of(surface, bytes);
+    const struct server_key key = server_record_key(surface->record);
+    struct server_slot *slot = current(registry, &key);
     if (!server_precondition_holds(precondition, slot ? slot->record->etag : NULL)) return SERVER_STORE_PRECONDITION;
-    if (!slot) return put_new(registry, surface, bytes);
+    if (!slot) return put_new(registry, surface, &content);
     bool is_same = slot->record == surface->record;
-    enum server_store_outcome outcome = is_same ? registry->store->keep(registry->store, surface->record, bytes)
-                                                : registry->store->put(registry->store, surface->record, bytes);
+    enum server_store_outcome outcome = is_same ? registry->store->keep(registry->store, surface->record, &content)
+                                                : registry->store->put(registry->store, surface->record, &content);
     if (outcome) return outcome;
     if (is_same)
         server_registry_keep(registry, surface);
@@ -118,38 +127,41 @@ enum server_store_outcome server_registry_put(struct server_registry *registry, 
     return outcome;
 }
 
-enum server_store_outcome server_registry_confirm(struct server_registry *registry, const struct server_record *record,
-                                                  const void *bytes)
+enum server_store_outcome server_registry_confirm(struct server_registry *registry,
+                                                  const struct server_surface *surface, const void *bytes)
 {
+    const struct server_content content = content_of(surface, bytes);
+    const struct server_key key = server_record_key(surface->record);
     enum server_store_outcome outcome = SERVER_STORE_ABSENT;
     pthread_mutex_lock(&registry->writing);
-    struct server_slot *slot = current(registry, record->name);
-    if (slot && slot->record == record) outcome = registry->store->keep(registry->store, record, bytes);
+    struct server_slot *slot = current(registry, &key);
+    if (slot && slot->record == surface->record)
+        outcome = registry->store->keep(registry->store, surface->record, &content);
     pthread_mutex_unlock(&registry->writing);
     return outcome == SERVER_STORE_DONE ? SERVER_STORE_REPLACED : outcome;
 }
 
-static enum server_store_outcome remove_under_lock(struct server_registry *registry, const char *name,
+static enum server_store_outcome remove_under_lock(struct server_registry *registry, const struct server_key *key,
                                                    const struct server_precondition *precondition,
                                                    struct server_slot **removed)
 {
-    struct server_slot *slot = current(registry, name);
+    struct server_slot *slot = current(registry, key);
     if (!slot) return SERVER_STORE_ABSENT;
     if (!server_precondition_holds(precondition, slot->record->etag)) return SERVER_STORE_PRECONDITION;
     enum server_store_outcome outcome = registry->store->remove(registry->store, slot->record);
     if (outcome) return outcome;
     pthread_rwlock_wrlock(&registry->lock);
-    *removed = server_slots_extract(registry, name);
+    *removed = server_slots_extract(registry, key);
     pthread_rwlock_unlock(&registry->lock);
     return SERVER_STORE_DONE;
 }
 
-enum server_store_outcome server_registry_remove(struct server_registry *registry, const char *name,
+enum server_store_outcome server_registry_remove(struct server_registry *registry, const struct server_key *key,
                                                  const struct server_precondition *precondition)
 {
     struct server_slot *removed = NULL;
     pthread_mutex_lock(&registry->writing);
-    enum server_store_outcome outcome = remove_under_lock(registry, name, precondition, &removed);
+    enum server_store_outcome outcome = remove_under_lock(registry, key, precondition, &removed);
     if (removed) registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
     if (removed) tell(registry, removed->record);

@@ -12,9 +12,11 @@
 #include "server/gzip.h"
 #include "server/server.h"
 
-#define GZIP_FROM        1025 /* bytes: smaller ones fit into a packet anyway */
-#define JSON             "application/json"
-#define PROBLEM_JSON     "application/problem+json"
+#define GZIP_FROM    1025 /* bytes: smaller ones fit into a packet anyway */
+#define JSON         "application/json"
+#define PROBLEM_JSON "application/problem+json"
+#define EXPOSED_HEADERS                                                                                                \
+    "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
 #define CONTENT_SECURITY "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
 
 static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
@@ -97,8 +99,9 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     char *text = proto_writer_take(&writer, &size);
     proto_writer_free(&writer);
     exchange->response.header_count = 0;
-    exchange->response.code = proto_problem_name(problem->code);
+    exchange->response.problem = problem->code;
     if (problem->allow[0]) add_header(&exchange->response, "Allow", problem->allow);
+    if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
     if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
 }
@@ -139,6 +142,8 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
 {
     add_header(&exchange->response, "ETag", asset->etag);
     add_header(&exchange->response, "Vary", "Accept-Encoding");
+    add_header(&exchange->response, "Referrer-Policy", "no-referrer");
+    add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
     if (asset->gzip && takes_gzip(exchange)) {
         add_header(&exchange->response, "Content-Encoding", "gzip");
         set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
@@ -228,6 +233,16 @@ static void compress(struct server_exchange *exchange)
     add_header(&exchange->response, "Content-Encoding", "gzip");
 }
 
+/* What a page of a listed origin may see of the answer. Caches keep the answers to different origins apart. */
+static void allow_origin(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    if (exchange->server->config.cors_origins.count) add_header(response, "Vary", "Origin");
+    if (!exchange->cors_origin) return;
+    add_header(response, "Access-Control-Allow-Origin", exchange->cors_origin);
+    add_header(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
+}
+
 void server_reply_seal(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
@@ -236,6 +251,7 @@ void server_reply_seal(struct server_exchange *exchange)
     compress(exchange);
     if (response->status != 304 && response_header(response, "Content-Encoding")) name_packed_form(response);
     if (response->media_type) add_header(response, "Content-Type", response->media_type);
+    allow_origin(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
     add_header(response, "Content-Security-Policy", CONTENT_SECURITY);

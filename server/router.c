@@ -3,6 +3,7 @@
 
 #include <stdatomic.h>
 #include <string.h>
+#include <strings.h>
 
 #include "server/framing.h"
 #include "server/handlers/handlers.h"
@@ -10,8 +11,11 @@
 #include "server/reply.h"
 #include "server/server.h"
 
-#define QUERY_BODY_LIMIT      (UINT64_C(1) << 20) /* bytes of a query's JSON */
-#define INLINE_BODY_LIMIT     8192 /* larger JSON takes longer to parse than the HTTP thread may be kept */
+#define QUERY_BODY_LIMIT  (UINT64_C(1) << 20) /* bytes of a query's JSON */
+#define INLINE_BODY_LIMIT 8192                /* larger JSON takes longer to parse than the HTTP thread may be kept */
+#define CORS_SECONDS      600
+#define CORS_HEADERS                                                                                                   \
+    "Authorization, Content-Encoding, Content-Type, If-Match, If-None-Match, Prefer, X-Request-Id, traceparent"
 #define REQUEST_ID_CHARACTERS "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
 
 /* Writes the hexadecimal digits of the value; returns their end. */
@@ -40,20 +44,33 @@ static void identify(struct server_exchange *exchange)
 
 static bool admit(struct server_exchange *exchange, struct proto_problem *problem)
 {
+    const struct server_guard *guard = &exchange->server->guard;
     const struct server_guard_request request = {
         .host = server_exchange_header(exchange, "Host"),
         .origin = server_exchange_header(exchange, "Origin"),
         .fetch_site = server_exchange_header(exchange, "Sec-Fetch-Site"),
         .is_http10 = exchange->is_http10,
     };
-    return server_guard_admit(&exchange->server->guard, &request, problem);
+    if (!server_guard_admit(guard, &request, problem)) return false;
+    if (server_guard_lists(guard, request.origin)) exchange->cors_origin = request.origin;
+    return true;
 }
 
-/* OPTIONS tells what the resource allows, as a 405 would. */
+/* A page of a listed origin asks first what it may send. What it may see of answers, reply.c says. */
+static void allow_page(struct server_exchange *exchange, const struct proto_problem *problem)
+{
+    if (!exchange->cors_origin || !server_exchange_header(exchange, "Access-Control-Request-Method")) return;
+    server_reply_header(exchange, "Access-Control-Allow-Methods", "%s", problem->allow);
+    server_reply_header(exchange, "Access-Control-Allow-Headers", "%s", CORS_HEADERS);
+    server_reply_header(exchange, "Access-Control-Max-Age", "%d", CORS_SECONDS);
+}
+
+/* OPTIONS tells what the resource allows, as a 405 would. It needs no key: browsers send none with it. */
 static bool answer_options(struct server_exchange *exchange, const struct proto_problem *problem)
 {
     if (problem->code != PROTO_PROBLEM_METHOD_NOT_ALLOWED || !server_exchange_is(exchange, "OPTIONS")) return false;
     server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
+    allow_page(exchange, problem);
     server_reply_empty(exchange, 204);
     return true;
 }
@@ -69,6 +86,32 @@ static bool answer_asset(struct server_exchange *exchange, const struct proto_pr
     return true;
 }
 
+/* A path that does not exist is told only to who may ask. */
+static bool authorize(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    const struct proto_route *route = exchange->match.route;
+    const struct server_access_request request = {
+        .authorization = server_exchange_header(exchange, "Authorization"),
+        .authorization_count = server_exchange_count_headers(exchange, "Authorization"),
+        .needed = route ? route->access : PROTO_ACCESS_READ,
+    };
+    if (!server_access_admit(exchange->server->access, &request, &exchange->grant, problem)) return false;
+    exchange->tenant = server_grant_tenant(&exchange->grant);
+    return true;
+}
+
+/* The codings of the body: none, or gzip. */
+static bool prepare_coding(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    const char *coding = server_exchange_header(exchange, "Content-Encoding");
+    if (!coding || strcasecmp(coding, "identity") == 0) return true;
+    if (server_exchange_count_headers(exchange, "Content-Encoding") == 1 &&
+        (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0))
+        return server_body_unpack(&exchange->body, &exchange->server->budget, problem);
+    return proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
+                             "the only Content-Encoding of a request is gzip, once; send the body so, or as it is");
+}
+
 static bool prepare_body(struct server_exchange *exchange, const struct server_framing *framing,
                          struct proto_problem *problem)
 {
@@ -81,7 +124,8 @@ static bool prepare_body(struct server_exchange *exchange, const struct server_f
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
-    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit, problem);
+    return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit, problem) &&
+           prepare_coding(exchange, problem);
 }
 
 static bool begin(struct server_exchange *exchange, struct proto_problem *problem)
@@ -92,9 +136,12 @@ static bool begin(struct server_exchange *exchange, struct proto_problem *proble
     if (!server_framing_read(exchange, &framing, problem)) return false;
     exchange->response.close = framing.declared != 0; /* until it is known that the body will be read */
     if (!admit(exchange, problem)) return false;
-    if (!proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match, problem))
-        return answer_options(exchange, problem) || answer_asset(exchange, problem);
-    return prepare_body(exchange, &framing, problem);
+    if (proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match, problem))
+        return authorize(exchange, problem) && prepare_body(exchange, &framing, problem);
+    if (answer_options(exchange, problem) || answer_asset(exchange, problem)) return true;
+    struct proto_problem unauthorized;
+    if (!authorize(exchange, &unauthorized)) *problem = unauthorized;
+    return false;
 }
 
 void server_router_begin(struct server_exchange *exchange)

@@ -9,12 +9,15 @@
 #include <unistd.h>
 
 #include "gd/cpu.h"
+#include "server/access.h"
+#include "server/connections.h"
 #include "server/events.h"
 #include "server/field_store.h"
 #include "server/http.h"
 #include "server/jobs.h"
 #include "server/keeper.h"
 #include "server/timekeeper.h"
+#include "server/tls.h"
 
 /* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound with the arrays' size, and keep what meshes and fields
  * leave behind: half of the budget again, after some hundred uploads. */
@@ -28,6 +31,7 @@
 /* Frees what there is of a server whose HTTP side does not run. */
 static void destroy(struct server *server)
 {
+    server_connections_destroy(server->connections);
     server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
@@ -41,6 +45,8 @@ static void destroy(struct server *server)
     server_workspaces_destroy(server->workspaces);
     gd_spare_memory(0);
     server_metrics_destroy(server->metrics);
+    server_tls_close(server->tls);
+    server_access_destroy(server->access);
     free(server);
 }
 
@@ -82,6 +88,15 @@ static bool set_spare_aside(struct server *server)
     return server_budget_take(&server->budget, SERVER_BUDGET_SPARE, bytes);
 }
 
+static bool open_access(struct server *server, char *error, size_t error_size)
+{
+    const struct server_config *config = &server->config;
+    if (*config->keys) server->access = server_access_create(config->keys, error, error_size);
+    if (*config->keys && !server->access) return false;
+    if (*config->tls_cert) server->tls = server_tls_open(config->tls_cert, config->tls_key, error, error_size);
+    return !*config->tls_cert || server->tls;
+}
+
 static bool create_parts(struct server *server, char *error, size_t error_size)
 {
     const struct server_config *config = &server->config;
@@ -102,7 +117,8 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (!server->events || !server->jobs) return false;
     server->timekeeper = server_timekeeper_create(server);
     server->keeper = server_keeper_create(server);
-    return server->timekeeper && server->keeper;
+    server->connections = server_connections_create();
+    return server->timekeeper && server->keeper && server->connections;
 }
 
 static bool listen_on(struct server *server, char *error, size_t error_size)
@@ -120,8 +136,8 @@ struct server *server_start(const struct server_config *config, char *error, siz
     struct server *server = calloc(1, sizeof *server);
     if (!server) return NULL;
     server->config = *config;
-    if (select_cpu(config, error, error_size) && create_parts(server, error, error_size) &&
-        listen_on(server, error, error_size))
+    if (select_cpu(config, error, error_size) && open_access(server, error, error_size) &&
+        create_parts(server, error, error_size) && listen_on(server, error, error_size))
         return server;
     if (server->workers) server_workers_cancel(server->workers);
     destroy(server);
@@ -131,6 +147,23 @@ struct server *server_start(const struct server_config *config, char *error, siz
 void server_deferred_begin(struct server *server)
 {
     if (atomic_fetch_add(&server->deferred, 1) == 0) server_timekeeper_wake(server->timekeeper);
+}
+
+/* --- anew --------------------------------------------------------------------------------------------------------- */
+
+static void log_reload(const char *what, bool is_read, const char *error)
+{
+    if (is_read)
+        server_log_message(SERVER_LOG_INFO, "reloaded", "%s", what);
+    else
+        server_log_message(SERVER_LOG_ERROR, "reload_failed", "%s stay as they were: %s", what, error);
+}
+
+void server_reload(struct server *server)
+{
+    char error[512] = "out of memory";
+    if (server->access) log_reload("keys", server_access_reload(server->access, error, sizeof error), error);
+    if (server->tls) log_reload("certificates", server_tls_reload(server->tls, error, sizeof error), error);
 }
 
 /* --- the end ------------------------------------------------------------------------------------------------------ */

@@ -1,8 +1,8 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, budget, workspaces, workers, cache, loads, metrics, store
+ * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget, workspaces, workers, cache, loads, metrics, store
  * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, events, jobs, timekeeper,
- * keeper, http. Workspaces, workers, cache, loads, landmarks, events, jobs and timekeeper have a lock each, the registry two; the only ones held
+ * keeper, connections, http. Workspaces, workers, cache, loads, landmarks, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
  * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
  * Budget and metrics are atomic.
  *
@@ -27,16 +27,21 @@
 #include "server/workers.h"
 #include "server/workspaces.h"
 
+struct server_access;
+struct server_connections;
 struct server_events;
 struct server_http;
 struct server_jobs;
 struct server_timekeeper;
+struct server_tls;
 struct server_keeper;
 struct server_field_store;
 
 struct server {
     struct server_config config;
     struct server_guard guard;
+    struct server_access *access; /* NULL: there are no keys */
+    struct server_tls *tls;       /* NULL: HTTP without it */
     struct server_budget budget;
     struct server_workspaces *workspaces;
     struct server_workers *workers;
@@ -50,6 +55,7 @@ struct server {
     struct server_jobs *jobs;
     struct server_timekeeper *timekeeper;
     struct server_keeper *keeper;
+    struct server_connections *connections;
     struct server_http *http;
     atomic_uint deferred; /* exchanges that connections and jobs have submitted */
     atomic_bool draining;
@@ -57,6 +63,9 @@ struct server {
 
 /* Starts everything, listening last. NULL with a sentence in `error`. */
 struct server *server_start(const struct server_config *config, char *error, size_t error_size);
+
+/* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By one thread at a time. */
+void server_reload(struct server *server);
 
 /* Drains, stops, frees. Returns within drain_ms and the few seconds that the last answers need to leave. */
 void server_stop(struct server *server);

@@ -27,6 +27,11 @@ enum server_store_outcome {
     SERVER_STORE_DAMAGED       /* what is stored is not what was put */
 };
 
+/* What a surface is made from, by its parts, as many bytes as the record says; borrowed. */
+struct server_content {
+    const void *parts[SERVER_PARTS]; /* NULL: the surface has no such part */
+};
+
 /* How often a surface was used since it was created, and when last. It decides what is loaded first after a start. */
 struct server_store_uses {
     uint64_t count;
@@ -34,24 +39,26 @@ struct server_store_uses {
 };
 
 struct server_store {
-    /* Visits what is stored, in the order of the names. The visitor retains what it keeps; false ends the visit. */
+    /* Visits what is stored, in any order. The visitor retains what it keeps; false ends the visit. */
     void (*each)(struct server_store *store,
                  bool (*visit)(void *user, struct server_record *record, const struct server_store_uses *uses),
                  void *user);
-    /* Stores a surface under its name, in the place of the one that was there, with the bytes that it is made from
-     * (borrowed). Durable when it returns DONE. */
-    enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record, const void *bytes);
-    /* Makes sure that the bytes of a stored surface are there, and whole. */
+    /* Stores a surface under its key, in the place of the one that was there, with what it is made from. Durable when it
+     * returns DONE. */
+    enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
+                                     const struct server_content *content);
+    /* Makes sure that what a stored surface is made from is there, and whole. */
     enum server_store_outcome (*keep)(struct server_store *store, const struct server_record *record,
-                                      const void *bytes);
+                                      const struct server_content *content);
     /* Durable when it returns DONE. */
     enum server_store_outcome (*remove)(struct server_store *store, const struct server_record *record);
     /* Does what a put or a remove that was DONE has left to be done, once nobody can find what it took away: only
      * now may bytes go that no surface has any more. */
     void (*tidy)(struct server_store *store);
-    /* The bytes of a surface (record->size of them), verified, malloc'ed. DAMAGED; ABSENT; NO_MEMORY; REFUSED. NULL:
-     * this store keeps no bytes, and what is loaded must stay in memory. */
-    enum server_store_outcome (*fetch)(struct server_store *store, const struct server_record *record, void **bytes);
+    /* The bytes of a part that the surface has, as many as its record says, verified, malloc'ed. DAMAGED; ABSENT; NO_MEMORY;
+     * REFUSED. NULL: this store keeps no bytes, and what is loaded must stay in memory. */
+    enum server_store_outcome (*fetch)(struct server_store *store, const struct server_record *record,
+                                       enum server_part part, void **bytes);
     /* Remembers the uses of some surfaces, if it can. */
     void (*note_uses)(struct server_store *store, const struct server_record *const *records,
                       const struct server_store_uses *uses, uint32_t count);

@@ -17,7 +17,7 @@ struct backup {
     FILE *out;
     struct server_store_files from, to; /* `from` is only read, without its lock */
     enum server_store_outcome outcome;
-    unsigned meshes;
+    unsigned surfaces;
     unsigned long long bytes;
 };
 
@@ -36,20 +36,29 @@ static struct server_record *read_row(const struct server_row *row)
     return server_record_read(row->text, row->size, &record) == SERVER_RECORD_READ ? record : NULL;
 }
 
-static enum server_store_outcome link_object(struct backup *backup, const struct server_record *record)
+static enum server_store_outcome link_object(struct backup *backup, const struct server_object *object)
 {
     char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH], folder[SERVER_DISK_PATH];
     void *bytes = NULL;
-    server_files_object_path(&backup->from, from, record->sha256);
-    server_files_object_path(&backup->to, to, record->sha256);
+    server_files_object_path(&backup->from, from, object->id);
+    server_files_object_path(&backup->to, to, object->id);
     snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     enum server_disk_result result = server_disk_make_folder(folder);
     if (!result && access(to, F_OK) != 0) result = server_disk_link(from, to);
     if (!result) result = server_disk_sync_folder(folder);
     if (result) return server_files_outcome(result);
-    enum server_store_outcome outcome =
-        server_files_read_object(&backup->to, record->sha256, (size_t)record->size, &bytes);
+    enum server_store_outcome outcome = server_files_read_object(&backup->to, object, &bytes);
     free(bytes);
+    backup->bytes += object->size;
+    return outcome;
+}
+
+static enum server_store_outcome link_objects(struct backup *backup, const struct server_record *record)
+{
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    struct server_object object;
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
+        if (server_record_object(record, part, &object)) outcome = link_object(backup, &object);
     return outcome;
 }
 
@@ -57,22 +66,21 @@ static bool on_row_link(void *user, const struct server_row *row)
 {
     struct backup *backup = user;
     struct server_record *record = read_row(row);
-    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->name);
-    enum server_store_outcome outcome = link_object(backup, record);
-    backup->meshes++;
-    backup->bytes += record->size;
+    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
+    enum server_store_outcome outcome = link_objects(backup, record);
+    backup->surfaces++;
     server_record_release(record);
-    return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->name);
+    return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->key);
 }
 
 static bool on_row_manifest(void *user, const struct server_row *row)
 {
     struct backup *backup = user;
     struct server_record *record = read_row(row);
-    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->name);
+    if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
     enum server_store_outcome outcome = server_files_write_manifest(&backup->to, record);
     server_record_release(record);
-    return !outcome || give_up(backup, outcome, "a manifest can't be written", row->name);
+    return !outcome || give_up(backup, outcome, "a manifest can't be written", row->key);
 }
 
 /* --- one moment --------------------------------------------------------------------------------------------------- */
@@ -100,7 +108,7 @@ static enum server_store_outcome copy_moment(struct backup *backup)
     char path[SERVER_DISK_PATH];
     server_files_path(&backup->to, path, "geodesicd.db");
     unlink(path);
-    backup->meshes = 0;
+    backup->surfaces = 0;
     backup->bytes = 0;
     enum server_store_outcome outcome = copy_database(backup, path);
     if (!outcome) outcome = server_database_open(path, &database);
@@ -126,7 +134,7 @@ static bool copy_store(struct backup *backup)
     for (int attempt = 0; outcome == SERVER_STORE_ABSENT && attempt < ATTEMPTS; attempt++)
         outcome = copy_moment(backup);
     if (outcome == SERVER_STORE_ABSENT)
-        fprintf(backup->out, "an uploaded file is missing, or meshes change too fast: see --check-store\n");
+        fprintf(backup->out, "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
     if (!outcome && server_disk_sync_folder(backup->to.folder) == SERVER_DISK_DONE) return true;
     fprintf(backup->out, "no backup was made; what there is of it in '%s' can be deleted\n", backup->to.folder);
     return false;
@@ -143,7 +151,8 @@ bool server_store_backup(const char *folder, const char *copy, FILE *out)
     }
     bool copied = copy_store(&backup);
     if (copied)
-        fprintf(out, "%u meshes, %llu bytes, copied from '%s' to '%s'\n", backup.meshes, backup.bytes, folder, copy);
+        fprintf(out, "%u surfaces, %llu bytes, copied from '%s' to '%s'\n", backup.surfaces, backup.bytes, folder,
+                copy);
     server_files_close(&backup.to);
     return copied;
 }

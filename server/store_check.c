@@ -11,7 +11,7 @@
 #define HASH       (SERVER_SHA256_HEX - 1)
 
 struct object { /* a file under objects/ */
-    char sha256[SERVER_SHA256_HEX];
+    char id[SERVER_OBJECT];
     size_t size;
     bool is_sound, is_used;
 };
@@ -74,8 +74,8 @@ static struct object *add_object(struct check *check)
 static void on_object(void *user, const char *path, const char *file)
 {
     struct check *check = user;
-    const char *folder = path + strlen(path) - strlen(file) - 3, *rest = after_hash(file);
-    if (!rest || *rest || strncmp(folder, file, 2) != 0) {
+    const char *folder = path + strlen(path) - strlen(file) - 3;
+    if (!server_files_object_check(file) || strncmp(folder, file, 2) != 0) {
         fault(check, "the file is none of the store's", path);
         return;
     }
@@ -84,7 +84,7 @@ static void on_object(void *user, const char *path, const char *file)
         fault(check, "there is no memory to check the file", path);
         return;
     }
-    strcpy(object->sha256, file);
+    strcpy(object->id, file);
     object->is_sound = is_sound(path, file, &object->size);
 }
 
@@ -114,36 +114,48 @@ static void on_field_folder(void *user, const char *path, const char *file)
     if (!server_disk_each(path, on_field, user)) fault(user, "the file is none of the store's", path);
 }
 
-static int by_hash(const void *a, const void *b)
+static int by_id(const void *a, const void *b)
 {
-    return strcmp(((const struct object *)a)->sha256, ((const struct object *)b)->sha256);
+    return strcmp(((const struct object *)a)->id, ((const struct object *)b)->id);
 }
 
 static void check_files(struct check *check)
 {
     char fields[SERVER_DISK_PATH];
     each_file(check, "objects", on_object_folder);
-    if (check->object_count) qsort(check->objects, check->object_count, sizeof *check->objects, by_hash);
+    if (check->object_count) qsort(check->objects, check->object_count, sizeof *check->objects, by_id);
     server_files_path(&check->files, fields, "fields");
     (void)server_disk_each(fields, on_field_folder, check); /* there need not be any */
 }
 
-/* The bytes of a record. */
-static void check_object(struct check *check, const struct server_record *record)
+/* How the parts of a surface are told of. */
+static const char *const missing[SERVER_PARTS] = {"the surface's file is missing",
+                                                  "the surface's attachment is missing"};
+static const char *const damaged[SERVER_PARTS] = {"the surface's file is damaged or can't be read",
+                                                  "the surface's attachment is damaged or can't be read"};
+
+static void check_object(struct check *check, const struct server_record *record, enum server_part part)
 {
-    struct object key;
-    strcpy(key.sha256, record->sha256);
+    struct server_object wanted;
+    struct object sought;
+    if (!server_record_object(record, part, &wanted)) return;
+    strcpy(sought.id, wanted.id);
     struct object *object =
-        check->object_count ? bsearch(&key, check->objects, check->object_count, sizeof key, by_hash) : NULL;
+        check->object_count ? bsearch(&sought, check->objects, check->object_count, sizeof sought, by_id) : NULL;
     if (!object) {
-        fault(check, "the uploaded file is missing", record->name);
+        fault(check, missing[part], record->key);
         return;
     }
-    if (!object->is_sound || object->size != record->size)
-        fault(check, "the uploaded file is damaged or can't be read", record->name);
+    if (!object->is_sound || object->size != wanted.size)
+        fault(check, damaged[part], record->key);
     else if (!object->is_used)
         check->verified++, check->bytes += object->size;
     object->is_used = true;
+}
+
+static void check_objects(struct check *check, const struct server_record *record)
+{
+    for (int part = 0; part < SERVER_PARTS; part++) check_object(check, record, part);
 }
 
 static void check_unused_objects(struct check *check)
@@ -152,38 +164,38 @@ static void check_unused_objects(struct check *check)
         const struct object *object = &check->objects[i];
         if (object->is_used) continue;
         check->leftovers++;
-        if (!object->is_sound) fault(check, "the file, which no mesh has, is damaged or can't be read", object->sha256);
+        if (!object->is_sound) fault(check, "the file, which no surface has, is damaged or can't be read", object->id);
     }
 }
 
 /* --- manifests ---------------------------------------------------------------------------------------------------- */
 
-static struct server_record *read_manifest(const struct check *check, const char *name)
+static struct server_record *read_manifest(const struct check *check, const char *key)
 {
     char checksum[SERVER_SHA256_HEX];
     struct server_record *record = NULL;
-    return server_files_read_manifest(&check->files, name, &record, checksum) == SERVER_RECORD_READ ? record : NULL;
+    return server_files_read_manifest(&check->files, key, &record, checksum) == SERVER_RECORD_READ ? record : NULL;
 }
 
 static void on_manifest(void *user, const char *path, const char *file)
 {
     struct check *check = user;
-    char name[PROTO_MESH_NAME + 1], sha256[SERVER_SHA256_HEX];
-    if (!server_files_manifest_name(file, name)) {
+    char key[SERVER_KEY_TEXT], objects[SERVER_PARTS][SERVER_OBJECT];
+    if (!server_files_manifest_key(file, key)) {
         if (strstr(file, SERVER_STORE_ASIDE))
             check->aside++;
         else
             fault(check, "the file is none of the store's", path);
         return;
     }
-    struct server_record *record = read_manifest(check, name);
+    struct server_record *record = read_manifest(check, key);
     if (!record) {
-        fault(check, "the manifest is damaged", name);
+        fault(check, "the manifest is damaged", key);
         return;
     }
     check->manifests++;
-    check_object(check, record);
-    if (check->database && server_database_find(check->database, name, sha256) == SERVER_STORE_ABSENT)
+    check_objects(check, record);
+    if (check->database && server_database_find(check->database, key, objects) == SERVER_STORE_ABSENT)
         check->unfinished++;
     server_record_release(record);
 }
@@ -194,14 +206,14 @@ static bool on_row(void *user, const struct server_row *row)
 {
     struct check *check = user;
     struct server_record *record = NULL;
-    if (server_record_read_named(row->name, row->text, row->size, &record) == SERVER_RECORD_READ)
+    if (server_record_read_named(row->key, row->text, row->size, &record) == SERVER_RECORD_READ)
         check->rows++;
     else
-        fault(check, "the row in the database is damaged", row->name);
-    struct server_record *manifest = read_manifest(check, row->name);
+        fault(check, "the row in the database is damaged", row->key);
+    struct server_record *manifest = read_manifest(check, row->key);
     if (!manifest) {
-        fault(check, "the row in the database has no manifest that can be read", row->name);
-        if (record) check_object(check, record);
+        fault(check, "the row in the database has no manifest that can be read", row->key);
+        if (record) check_objects(check, record);
     } else if (record && strcmp(manifest->etag, record->etag) != 0) {
         check->unfinished++;
     }
@@ -244,13 +256,15 @@ static void on_file(void *user, const char *path, const char *file)
 static void print_sums(const struct check *check)
 {
     if (check->unfinished)
-        fprintf(check->out,
-                "note: %u meshes have no row in the database, or an older one: changes that were cut short before they "
-                "were "
-                "acknowledged, or rows that could not be written; the next start writes them\n",
-                check->unfinished);
+        fprintf(
+            check->out,
+            "note: %u surfaces have no row in the database, or an older one: changes that were cut short before they "
+            "were "
+            "acknowledged, or rows that could not be written; the next start writes them\n",
+            check->unfinished);
     if (check->leftovers)
-        fprintf(check->out, "note: %u files that were not finished, or that no mesh has; the next start deletes them\n",
+        fprintf(check->out,
+                "note: %u files that were not finished, or that no surface has; the next start deletes them\n",
                 check->leftovers);
     if (check->aside)
         fprintf(check->out,

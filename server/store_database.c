@@ -16,12 +16,13 @@
 enum statement { PUT, REMOVE, COUNT, FIND, NOTE, STATEMENTS };
 
 static const char *const sql[STATEMENTS] = {
-    [PUT] = ("INSERT INTO surfaces (name, sha256, record) VALUES (?1, ?2, ?3)"
-             " ON CONFLICT (name) DO UPDATE SET sha256 = ?2, record = ?3"),
-    [REMOVE] = "DELETE FROM surfaces WHERE name = ?1",
-    [COUNT] = "SELECT count(*) FROM surfaces WHERE sha256 = ?1",
-    [FIND] = "SELECT sha256 FROM surfaces WHERE name = ?1",
-    [NOTE] = "UPDATE surfaces SET uses = ?2, used = ?3 WHERE name = ?1",
+    [PUT] = ("INSERT INTO surfaces (key, file, attachment, record) VALUES (?1, ?2, ?3, ?4)"
+             " ON CONFLICT (key) DO UPDATE SET file = ?2, attachment = ?3, record = ?4"),
+    [REMOVE] = "DELETE FROM surfaces WHERE key = ?1",
+    [COUNT] = ("SELECT (SELECT count(*) FROM surfaces WHERE file = ?1)"
+               " + (SELECT count(*) FROM surfaces WHERE attachment = ?1)"),
+    [FIND] = "SELECT file, attachment FROM surfaces WHERE key = ?1",
+    [NOTE] = "UPDATE surfaces SET uses = ?2, used = ?3 WHERE key = ?1",
 };
 
 struct server_database {
@@ -116,6 +117,25 @@ static bool has_log(const char *path)
     return snprintf(log, sizeof log, "%s-wal", path) < (int)sizeof log && access(log, F_OK) == 0;
 }
 
+static void disconnect(struct server_database *database, bool is_sound)
+{
+    bool may_checkpoint = database->had_no_log || (is_sound && !database->cant_checkpoint);
+    if (database->connection && !may_checkpoint)
+        sqlite3_db_config(database->connection, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
+    sqlite3_close(database->connection);
+}
+
+/* One of an earlier version is read as it would be after the next start. */
+static enum server_store_outcome lift(struct server_database *database)
+{
+    sqlite3 *copy;
+    enum server_store_outcome outcome = server_store_lift(database->connection, &copy);
+    if (outcome) return outcome;
+    disconnect(database, false);
+    database->connection = copy;
+    return SERVER_STORE_DONE;
+}
+
 enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out)
 {
     struct server_database *database = calloc(1, sizeof *database);
@@ -127,6 +147,7 @@ enum server_store_outcome server_database_open_to_read(const char *path, struct 
     if (!outcome) outcome = server_store_version(database->connection, &version);
     if (!outcome && version == 0) outcome = SERVER_STORE_ABSENT;
     if (!outcome) outcome = check_all(database);
+    if (!outcome && version < server_store_schema_version) outcome = lift(database);
     if (!outcome) outcome = prepare(database);
     if (outcome)
         server_database_close(database, false);
@@ -139,10 +160,7 @@ void server_database_close(struct server_database *database, bool is_sound)
 {
     if (!database) return;
     for (int i = 0; i < STATEMENTS; i++) sqlite3_finalize(database->statements[i]);
-    bool may_checkpoint = database->had_no_log || (is_sound && !database->cant_checkpoint);
-    if (database->connection && !may_checkpoint)
-        sqlite3_db_config(database->connection, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
-    sqlite3_close(database->connection);
+    disconnect(database, is_sound);
     free(database);
 }
 
@@ -158,10 +176,10 @@ const char *server_database_error(struct server_database *database)
 
 /* --- statements --------------------------------------------------------------------------------------------------- */
 
-static sqlite3_stmt *bind_name(struct server_database *database, enum statement which, const char *name)
+static sqlite3_stmt *bind_key(struct server_database *database, enum statement which, const char *key)
 {
     sqlite3_stmt *statement = database->statements[which];
-    sqlite3_bind_text(statement, 1, name, -1, SQLITE_STATIC);
+    sqlite3_bind_text(statement, 1, key, -1, SQLITE_STATIC);
     return statement;
 }
 
@@ -195,9 +213,12 @@ enum server_store_outcome server_database_put(struct server_database *database, 
     size_t size;
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
-    sqlite3_stmt *statement = bind_name(database, PUT, record->name);
-    sqlite3_bind_text(statement, 2, record->sha256, -1, SQLITE_STATIC);
-    sqlite3_bind_text64(statement, 3, text, size, SQLITE_STATIC, SQLITE_UTF8);
+    struct server_object objects[SERVER_PARTS];
+    sqlite3_stmt *statement = bind_key(database, PUT, record->key);
+    for (int part = 0; part < SERVER_PARTS; part++) /* what is not bound is NULL */
+        if (server_record_object(record, part, &objects[part]))
+            sqlite3_bind_text(statement, 2 + part, objects[part].id, -1, SQLITE_STATIC);
+    sqlite3_bind_text64(statement, 2 + SERVER_PARTS, text, size, SQLITE_STATIC, SQLITE_UTF8);
     enum server_store_outcome outcome = run_write(database, statement);
     free(text);
     if (!outcome) checkpoint_when_due(database);
@@ -206,26 +227,29 @@ enum server_store_outcome server_database_put(struct server_database *database, 
 
 /* The log is emptied: damage can end a log early without a trace, and while a manifest tells of a row that was lost so,
  * nothing would tell of a deletion that was. */
-enum server_store_outcome server_database_remove(struct server_database *database, const char *name)
+enum server_store_outcome server_database_remove(struct server_database *database, const char *key)
 {
-    enum server_store_outcome outcome = run_write(database, bind_name(database, REMOVE, name));
+    enum server_store_outcome outcome = run_write(database, bind_key(database, REMOVE, key));
     if (!outcome) checkpoint(database, SQLITE_CHECKPOINT_TRUNCATE);
     return outcome;
 }
 
-enum server_store_outcome server_database_count(struct server_database *database, const char *sha256, int64_t *count)
+enum server_store_outcome server_database_count(struct server_database *database, const char *object, int64_t *count)
 {
-    sqlite3_stmt *statement = bind_name(database, COUNT, sha256);
+    sqlite3_stmt *statement = bind_key(database, COUNT, object);
     if (sqlite3_step(statement) == SQLITE_ROW) *count = sqlite3_column_int64(statement, 0);
     return server_store_outcome_of(sqlite3_reset(statement));
 }
 
-enum server_store_outcome server_database_find(struct server_database *database, const char *name,
-                                               char sha256[SERVER_SHA256_HEX])
+enum server_store_outcome server_database_find(struct server_database *database, const char *key,
+                                               char objects[SERVER_PARTS][SERVER_OBJECT])
 {
-    sqlite3_stmt *statement = bind_name(database, FIND, name);
+    sqlite3_stmt *statement = bind_key(database, FIND, key);
     int found = sqlite3_step(statement);
-    if (found == SQLITE_ROW) snprintf(sha256, SERVER_SHA256_HEX, "%s", (const char *)sqlite3_column_text(statement, 0));
+    for (int part = 0; found == SQLITE_ROW && part < SERVER_PARTS; part++) {
+        const char *id = (const char *)sqlite3_column_text(statement, part);
+        snprintf(objects[part], SERVER_OBJECT, "%s", id ? id : "");
+    }
     enum server_store_outcome outcome = server_store_outcome_of(sqlite3_reset(statement));
     return !outcome && found == SQLITE_DONE ? SERVER_STORE_ABSENT : outcome;
 }
@@ -236,7 +260,7 @@ enum server_store_outcome server_database_note_uses(struct server_database *data
 {
     enum server_store_outcome outcome = run(database, "BEGIN IMMEDIATE");
     for (uint32_t i = 0; !outcome && i < count; i++) {
-        sqlite3_stmt *statement = bind_name(database, NOTE, records[i]->name);
+        sqlite3_stmt *statement = bind_key(database, NOTE, records[i]->key);
         sqlite3_bind_int64(statement, 2, (int64_t)uses[i].count);
         sqlite3_bind_int64(statement, 3, uses[i].last);
         outcome = run_write(database, statement);
@@ -256,15 +280,15 @@ enum server_store_outcome server_database_each(struct server_database *database,
 {
     sqlite3_stmt *statement;
     bool go_on = true;
-    int code = sqlite3_prepare_v2(database->connection, "SELECT name, record, uses, used FROM surfaces ORDER BY name",
-                                  -1, &statement, NULL);
+    int code = sqlite3_prepare_v2(database->connection, "SELECT key, record, uses, used FROM surfaces ORDER BY key", -1,
+                                  &statement, NULL);
     while (!code && go_on && sqlite3_step(statement) == SQLITE_ROW) {
-        const struct server_row row = {.name = (const char *)sqlite3_column_text(statement, 0),
+        const struct server_row row = {.key = (const char *)sqlite3_column_text(statement, 0),
                                        .text = sqlite3_column_blob(statement, 1),
                                        .size = (size_t)sqlite3_column_bytes(statement, 1),
                                        .uses = {.count = (uint64_t)sqlite3_column_int64(statement, 2),
                                                 .last = sqlite3_column_int64(statement, 3)}};
-        if (row.name && row.text) go_on = visit(user, &row);
+        if (row.key && row.text) go_on = visit(user, &row);
     }
     int end = sqlite3_finalize(statement);
     return server_store_outcome_of(code ? code : end);

@@ -22,25 +22,25 @@ enum server_store_outcome server_database_open_to_read(const char *path, struct 
 /* Closes. `is_sound`: what is in the log may go into the database. NULL is harmless. */
 void server_database_close(struct server_database *database, bool is_sound);
 
-struct server_row {          /* borrowed, for the time of a visit */
-    const char *name, *text; /* `text`: the record, `size` bytes, unchecked */
+struct server_row {         /* borrowed, for the time of a visit */
+    const char *key, *text; /* `text`: the record, `size` bytes, unchecked */
     size_t size;
     struct server_store_uses uses;
 };
 
-/* Visits the rows in the order of their names; the visitor returns false to end it. */
+/* Visits the rows in the order of their keys; the visitor returns false to end it. */
 enum server_store_outcome server_database_each(struct server_database *database,
                                                bool (*visit)(void *user, const struct server_row *row), void *user);
 
 enum server_store_outcome server_database_put(struct server_database *database, const struct server_record *record);
-enum server_store_outcome server_database_remove(struct server_database *database, const char *name);
+enum server_store_outcome server_database_remove(struct server_database *database, const char *key);
 
-/* How many rows name these bytes. */
-enum server_store_outcome server_database_count(struct server_database *database, const char *sha256, int64_t *count);
+/* How many rows name this object, as file or attachment. */
+enum server_store_outcome server_database_count(struct server_database *database, const char *object, int64_t *count);
 
-/* Hash of the bytes that the name has now; ABSENT. */
-enum server_store_outcome server_database_find(struct server_database *database, const char *name,
-                                               char sha256[SERVER_SHA256_HEX]);
+/* Ids of the objects that the key has now, empty where it has none; ABSENT. */
+enum server_store_outcome server_database_find(struct server_database *database, const char *key,
+                                               char objects[SERVER_PARTS][SERVER_OBJECT]);
 
 enum server_store_outcome server_database_note_uses(struct server_database *database,
                                                     const struct server_record *const *records,

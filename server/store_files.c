@@ -12,6 +12,8 @@
 #include <unistd.h>
 
 #define BALLAST_BYTES   ((size_t)1 << 20)
+#define HEX_DIGITS      "0123456789abcdef"
+#define HASH            (SERVER_SHA256_HEX - 1)
 #define MANIFEST_SUFFIX ".manifest"
 #define ASIDE           "temporary/aside" /* the manifest that one is taking the place of */
 
@@ -41,19 +43,19 @@ void server_files_path(const struct server_store_files *files, char path[SERVER_
     snprintf(path, SERVER_DISK_PATH, "%s/%s", files->folder, name);
 }
 
-static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *sha256)
+static void object_folder(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *object)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s", files->folder, sha256);
+    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s", files->folder, object);
 }
 
-void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *sha256)
+void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *object)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", files->folder, sha256, sha256);
+    snprintf(path, SERVER_DISK_PATH, "%s/objects/%.2s/%s", files->folder, object, object);
 }
 
-void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name)
+void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *key)
 {
-    snprintf(path, SERVER_DISK_PATH, "%s/manifests/%s" MANIFEST_SUFFIX, files->folder, name);
+    snprintf(path, SERVER_DISK_PATH, "%s/manifests/%s" MANIFEST_SUFFIX, files->folder, key);
 }
 
 static void temporary_path(struct server_store_files *files, char path[SERVER_DISK_PATH])
@@ -61,14 +63,20 @@ static void temporary_path(struct server_store_files *files, char path[SERVER_DI
     snprintf(path, SERVER_DISK_PATH, "%s/temporary/%u", files->folder, files->serial++);
 }
 
-bool server_files_manifest_name(const char *file, char name[PROTO_MESH_NAME + 1])
+bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT])
 {
-    struct proto_problem problem;
     size_t size = strlen(file), suffix = strlen(MANIFEST_SUFFIX);
     if (size <= suffix || strcmp(file + size - suffix, MANIFEST_SUFFIX) != 0) return false;
-    if (!proto_mesh_name_check(file, size - suffix, &problem)) return false;
-    snprintf(name, PROTO_MESH_NAME + 1, "%.*s", (int)(size - suffix), file);
+    if (!server_key_check(file, size - suffix)) return false;
+    snprintf(key, SERVER_KEY_TEXT, "%.*s", (int)(size - suffix), file);
     return true;
+}
+
+bool server_files_object_check(const char *file)
+{
+    size_t digits = strspn(file, HEX_DIGITS);
+    if (digits != HASH) return false;
+    return !file[digits] || (file[digits] == '.' && server_tenant_check(file + digits + 1));
 }
 
 /* --- open --------------------------------------------------------------------------------------------------------- */
@@ -190,17 +198,17 @@ void server_files_close(struct server_store_files *files)
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
-enum server_store_outcome server_files_read_object(const struct server_store_files *files, const char *sha256,
-                                                   size_t size, void **bytes)
+enum server_store_outcome server_files_read_object(const struct server_store_files *files,
+                                                   const struct server_object *object, void **bytes)
 {
     char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
     size_t got;
     void *read;
-    server_files_object_path(files, path, sha256);
+    server_files_object_path(files, path, object->id);
     enum server_disk_result result = server_disk_read(path, &read, &got);
     if (result) return server_files_outcome(result);
     server_sha256(read, got, found);
-    if (got != size || strcmp(found, sha256) != 0) {
+    if (got != object->size || strncmp(found, object->id, HASH) != 0) {
         free(read);
         return SERVER_STORE_DAMAGED;
     }
@@ -208,32 +216,32 @@ enum server_store_outcome server_files_read_object(const struct server_store_fil
     return SERVER_STORE_DONE;
 }
 
-static bool has_object(const struct server_store_files *files, const char *sha256, size_t size)
+static bool has_object(const struct server_store_files *files, const struct server_object *object)
 {
     void *bytes = NULL;
-    bool found = server_files_read_object(files, sha256, size, &bytes) == SERVER_STORE_DONE;
+    bool found = server_files_read_object(files, object, &bytes) == SERVER_STORE_DONE;
     free(bytes);
     return found;
 }
 
-enum server_store_outcome server_files_write_object(struct server_store_files *files, const char *sha256,
-                                                    const void *bytes, size_t size)
+enum server_store_outcome server_files_write_object(struct server_store_files *files,
+                                                    const struct server_object *object, const void *bytes)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
-    object_folder(files, folder, sha256);
-    server_files_object_path(files, path, sha256);
+    object_folder(files, folder, object->id);
+    server_files_object_path(files, path, object->id);
     temporary_path(files, temporary);
     enum server_disk_result result = server_disk_make_folder(folder);
     if (result) return server_files_outcome(result);
-    result = has_object(files, sha256, size) ? server_disk_sync_folder(folder)
-                                             : server_disk_write(folder, path, temporary, bytes, size);
+    result = has_object(files, object) ? server_disk_sync_folder(folder)
+                                       : server_disk_write(folder, path, temporary, bytes, (size_t)object->size);
     return server_files_outcome(result);
 }
 
-void server_files_remove_object(const struct server_store_files *files, const char *sha256)
+void server_files_remove_object(const struct server_store_files *files, const char *object)
 {
     char path[SERVER_DISK_PATH];
-    server_files_object_path(files, path, sha256);
+    server_files_object_path(files, path, object);
     (void)server_disk_remove(NULL, path); /* one that stays is collected at the next start */
 }
 
@@ -244,16 +252,16 @@ static void manifests_folder(const struct server_store_files *files, char path[S
     server_files_path(files, path, "manifests");
 }
 
-enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *name,
+enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *key,
                                                       struct server_record **out, char sha256[SERVER_SHA256_HEX])
 {
     char path[SERVER_DISK_PATH];
     void *text;
     size_t size;
-    server_files_manifest_path(files, path, name);
+    server_files_manifest_path(files, path, key);
     enum server_disk_result result = server_disk_read(path, &text, &size);
     if (result) return result == SERVER_DISK_NO_MEMORY ? SERVER_RECORD_NO_MEMORY : SERVER_RECORD_DAMAGED;
-    enum server_record_reading reading = server_record_read_named(name, text, size, out);
+    enum server_record_reading reading = server_record_read_named(key, text, size, out);
     server_sha256(text, size, sha256);
     free(text);
     return reading;
@@ -275,7 +283,7 @@ enum server_store_outcome server_files_write_manifest(struct server_store_files 
     char *text = server_record_write(record, &size);
     if (!text) return SERVER_STORE_NO_MEMORY;
     manifests_folder(files, folder);
-    server_files_manifest_path(files, path, record->name);
+    server_files_manifest_path(files, path, record->key);
     temporary_path(files, temporary);
     server_files_settle_manifest(files);
     enum server_disk_result result = put_aside(files, path);
@@ -291,21 +299,21 @@ void server_files_settle_manifest(const struct server_store_files *files)
     (void)server_disk_remove(NULL, aside);
 }
 
-enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *name)
+enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *key)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
     manifests_folder(files, folder);
-    server_files_manifest_path(files, path, name);
+    server_files_manifest_path(files, path, key);
     server_files_path(files, aside, ASIDE);
     if (rename(aside, path) != 0) return server_files_outcome(server_disk_remove(folder, path));
     return server_files_outcome(server_disk_sync_folder(folder));
 }
 
-enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *name)
+enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *key)
 {
     char folder[SERVER_DISK_PATH], path[SERVER_DISK_PATH];
     manifests_folder(files, folder);
-    server_files_manifest_path(files, path, name);
+    server_files_manifest_path(files, path, key);
     enum server_disk_result result = server_disk_remove(folder, path);
     return result == SERVER_DISK_ABSENT ? SERVER_STORE_DONE : server_files_outcome(result);
 }

@@ -2,8 +2,10 @@
  *
  *     lock                        held by the process that has the store open
  *     geodesicd.db, -wal, -shm    SQLite: the records as rows
- *     objects/ab/<sha256>         uploaded bytes, immutable, shared by all names that have them
- *     manifests/<name>.manifest   the record of each name (record.h): what the database is made from when it is damaged
+ *     objects/ab/<object>         files and attachments, immutable, named by their content (record.h), shared by all
+ *                                 surfaces that have them
+ *     manifests/<key>.manifest    the record of each surface (record.h), by the text of its key (key.h): what the database
+ *                                 is made from when it is damaged
  *     fields/                     landmarks and cached fields (field_store.h)
  *     ballast                     room that a delete can have when the disk is full
  *     temporary/                  files that are being written; emptied at the start
@@ -29,11 +31,14 @@ enum server_store_outcome server_files_outcome(enum server_disk_result result);
 
 /* Path of a file in the folder. */
 void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name);
-void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *sha256);
-void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name);
+void server_files_object_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *object);
+void server_files_manifest_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *key);
 
-/* The name that a manifest's file name stands for; false: it is none. */
-bool server_files_manifest_name(const char *file, char name[PROTO_MESH_NAME + 1]);
+/* The key that a manifest's file name stands for; false: it is none. */
+bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);
+
+/* Can this be the file name of an object? */
+bool server_files_object_check(const char *file);
 
 /* Makes the folders, with durable names, and takes the lock; false with a sentence. server_files_close gives the
  * lock back. */
@@ -45,18 +50,18 @@ void server_files_close(struct server_store_files *files);
 /* --- objects --- */
 
 /* Writes the object, unless it is there already, whole. */
-enum server_store_outcome server_files_write_object(struct server_store_files *files, const char *sha256,
-                                                    const void *bytes, size_t size);
+enum server_store_outcome server_files_write_object(struct server_store_files *files,
+                                                    const struct server_object *object, const void *bytes);
 /* Reads and verifies it. */
-enum server_store_outcome server_files_read_object(const struct server_store_files *files, const char *sha256,
-                                                   size_t size, void **bytes);
-void server_files_remove_object(const struct server_store_files *files, const char *sha256);
+enum server_store_outcome server_files_read_object(const struct server_store_files *files,
+                                                   const struct server_object *object, void **bytes);
+void server_files_remove_object(const struct server_store_files *files, const char *object);
 
 /* --- manifests --- */
 
-/* Reads the manifest of that name, and the SHA-256 of its text. DAMAGED also when it can't be read or is another
- * name's. */
-enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *name,
+/* Reads the manifest of that key, and the SHA-256 of its text. DAMAGED also when it can't be read or is another
+ * key's. */
+enum server_record_reading server_files_read_manifest(const struct server_store_files *files, const char *key,
                                                       struct server_record **out, char sha256[SERVER_SHA256_HEX]);
 
 /* Writes the record's manifest, and keeps the older one aside until the change is settled. */
@@ -64,8 +69,8 @@ enum server_store_outcome server_files_write_manifest(struct server_store_files 
                                                       const struct server_record *record);
 /* Settles the change, or undoes it. */
 void server_files_settle_manifest(const struct server_store_files *files);
-enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *name);
-enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *name);
+enum server_store_outcome server_files_undo_manifest(const struct server_store_files *files, const char *key);
+enum server_store_outcome server_files_remove_manifest(const struct server_store_files *files, const char *key);
 
 /* --- ballast --- */
 

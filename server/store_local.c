@@ -57,21 +57,41 @@ static void look_after(struct server_store_local *local)
         (void)judge(local, server_files_load_ballast(&local->files), "the ballast");
 }
 
-/* --- objects that no name refers to ------------------------------------------------------------------------------- */
+/* --- objects ------------------------------------------------------------------------------------------------------ */
 
-static void drop_if_unused(struct server_store_local *local, const char *sha256)
+static enum server_store_outcome write_objects(struct server_store_local *local, const struct server_record *record,
+                                               const struct server_content *content)
+{
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    struct server_object object;
+    for (int part = 0; !outcome && part < SERVER_PARTS; part++)
+        if (server_record_object(record, part, &object))
+            outcome = server_files_write_object(&local->files, &object, content->parts[part]);
+    return judge(local, outcome, "a surface's file");
+}
+
+static void drop_if_unused(struct server_store_local *local, const char *object)
 {
     int64_t count;
     if (!can_write(local) || local->lacks_rows) return;
-    if (server_database_count(local->database, sha256, &count) != SERVER_STORE_DONE) return;
-    if (count == 0) server_files_remove_object(&local->files, sha256);
+    if (server_database_count(local->database, object, &count) != SERVER_STORE_DONE) return;
+    if (count == 0) server_files_remove_object(&local->files, object);
+}
+
+static void drop_unused(struct server_store_local *local, const struct server_record *record)
+{
+    struct server_object object;
+    for (int part = 0; part < SERVER_PARTS; part++)
+        if (server_record_object(record, part, &object)) drop_if_unused(local, object.id);
 }
 
 static void tidy(struct server_store *store)
 {
     struct server_store_local *local = local_of(store);
-    if (local->left[0]) drop_if_unused(local, local->left);
-    local->left[0] = '\0';
+    for (int part = 0; part < SERVER_PARTS; part++) {
+        if (local->left[part][0]) drop_if_unused(local, local->left[part]);
+        local->left[part][0] = '\0';
+    }
     if (can_write(local)) look_after(local); /* after the bytes: the ballast may need their room */
 }
 
@@ -84,45 +104,55 @@ static enum server_store_outcome put_record(struct server_store_local *local, co
     if (outcome) return outcome;
     outcome = judge(local, server_database_put(local->database, record), "a row of the database");
     if (outcome && outcome != SERVER_STORE_READ_ONLY)
-        (void)judge(local, server_files_undo_manifest(&local->files, record->name), "a manifest");
+        (void)judge(local, server_files_undo_manifest(&local->files, record->key), "a manifest");
     if (!outcome) server_files_settle_manifest(&local->files);
     return outcome;
 }
 
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record, const void *bytes)
+static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
+                                     const struct server_content *content)
 {
     struct server_store_local *local = local_of(store);
-    char before[SERVER_SHA256_HEX];
+    char before[SERVER_PARTS][SERVER_OBJECT];
     if (!can_write(local)) return SERVER_STORE_READ_ONLY;
     enum server_store_outcome outcome =
-        judge(local, server_database_find(local->database, record->name, before), "the database");
+        judge(local, server_database_find(local->database, record->key, before), "the database");
     if (outcome && outcome != SERVER_STORE_ABSENT) return outcome;
     bool replaces = outcome == SERVER_STORE_DONE;
-    outcome = judge(local, server_files_write_object(&local->files, record->sha256, bytes, record->size), "a mesh");
+    outcome = write_objects(local, record, content);
     if (!outcome) outcome = put_record(local, record);
     if (outcome)
-        drop_if_unused(local, record->sha256);
-    else if (replaces && strcmp(before, record->sha256) != 0)
-        strcpy(local->left, before);
+        drop_unused(local, record);
+    else if (replaces)
+        memcpy(local->left, before, sizeof before);
     return outcome;
 }
 
-static enum server_store_outcome keep(struct server_store *store, const struct server_record *record, const void *bytes)
+static enum server_store_outcome keep(struct server_store *store, const struct server_record *record,
+                                      const struct server_content *content)
 {
     struct server_store_local *local = local_of(store);
     if (!can_write(local))
         return SERVER_STORE_DONE; /* it was durable once; whether it still is shows when it is loaded */
-    return judge(local, server_files_write_object(&local->files, record->sha256, bytes, record->size), "a mesh");
+    return write_objects(local, record, content);
 }
 
 /* --- remove ------------------------------------------------------------------------------------------------------- */
 
-/* The row goes into the database's log: which needs room, and gets it from the ballast. */
-static enum server_store_outcome remove_row(struct server_store_local *local, const char *name)
+/* Those that no surface has any more go when all is tidy. */
+static void leave_objects(struct server_store_local *local, const struct server_record *record)
 {
-    enum server_store_outcome outcome = server_database_remove(local->database, name);
+    struct server_object object;
+    for (int part = 0; part < SERVER_PARTS; part++)
+        strcpy(local->left[part], server_record_object(record, part, &object) ? object.id : "");
+}
+
+/* The row goes into the database's log: which needs room, and gets it from the ballast. */
+static enum server_store_outcome remove_row(struct server_store_local *local, const char *key)
+{
+    enum server_store_outcome outcome = server_database_remove(local->database, key);
     if (outcome == SERVER_STORE_FULL && server_files_drop_ballast(&local->files))
-        outcome = server_database_remove(local->database, name);
+        outcome = server_database_remove(local->database, key);
     return judge(local, outcome, "a row of the database");
 }
 
@@ -130,22 +160,25 @@ static enum server_store_outcome remove_record(struct server_store *store, const
 {
     struct server_store_local *local = local_of(store);
     if (!can_write(local)) return SERVER_STORE_READ_ONLY;
-    enum server_store_outcome outcome = remove_row(local, record->name);
+    enum server_store_outcome outcome = remove_row(local, record->key);
     if (outcome) return outcome;
-    outcome = judge(local, server_files_remove_manifest(&local->files, record->name), "a manifest");
+    outcome = judge(local, server_files_remove_manifest(&local->files, record->key), "a manifest");
     if (outcome == SERVER_STORE_REFUSED)
         server_local_forbid(local, "a manifest could not be removed (%s): mend the folder and restart",
                             strerror(errno));
     if (outcome) return SERVER_STORE_READ_ONLY;
-    strcpy(local->left, record->sha256);
+    leave_objects(local, record);
     return SERVER_STORE_DONE;
 }
 
 /* --- the rest ----------------------------------------------------------------------------------------------------- */
 
-static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record, void **bytes)
+static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record,
+                                       enum server_part part, void **bytes)
 {
-    return server_files_read_object(&local_of(store)->files, record->sha256, record->size, bytes);
+    struct server_object object;
+    if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
+    return server_files_read_object(&local_of(store)->files, &object, bytes);
 }
 
 static void note_uses(struct server_store *store, const struct server_record *const *records,

@@ -17,10 +17,10 @@ struct server_store_local {
     struct server_store store; /* first */
     struct server_store_files files;
     struct server_database *database; /* NULL: it can't be opened or made; then nothing is written */
-    struct server_found *found;       /* sorted by name; given up once they were visited */
+    struct server_found *found;       /* given up once they were visited */
     uint32_t found_count;
-    char left[SERVER_SHA256_HEX]; /* hash of bytes that the change under way took from a surface; empty: none */
-    bool lacks_rows;              /* a row could not be mended: so the database can't tell which bytes are unused */
+    char left[SERVER_PARTS][SERVER_OBJECT]; /* objects that the change under way took from a surface; empty: none */
+    bool lacks_rows; /* a row could not be mended: so the database can't tell which bytes are unused */
     atomic_bool is_read_only;
     char reason[512]; /* why; written once, before is_read_only is set */
 };

@@ -10,9 +10,10 @@ static void each(struct server_store *store,
     (void)store, (void)visit, (void)user;
 }
 
-static enum server_store_outcome put(struct server_store *store, const struct server_record *record, const void *bytes)
+static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
+                                     const struct server_content *content)
 {
-    (void)store, (void)record, (void)bytes;
+    (void)store, (void)record, (void)content;
     return SERVER_STORE_DONE;
 }
 

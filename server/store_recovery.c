@@ -23,7 +23,7 @@
 #include "server/store_local.h"
 
 struct finding {
-    char name[PROTO_MESH_NAME + 1];
+    char key[SERVER_KEY_TEXT];
     struct server_record *row, *manifest; /* NULL: none, or damaged */
     bool has_row, has_manifest, differ;
     struct server_store_uses uses;
@@ -33,19 +33,20 @@ struct finding {
 struct recovery {
     struct server_store_local *local;
     struct finding *findings;
-    uint32_t count, sorted, capacity; /* the first `sorted` are in order of their names */
-    const char **used;                /* hashes of the objects that have a name, sorted */
+    uint32_t count, sorted, capacity; /* the first `sorted` are in order of their keys */
+    char (*used)[SERVER_OBJECT];      /* ids of the objects that a surface has, sorted */
+    size_t used_count;
     bool is_newer, no_memory, lost_some;
 };
 
 /* --- findings ----------------------------------------------------------------------------------------------------- */
 
-static int by_name(const void *a, const void *b)
+static int by_key(const void *a, const void *b)
 {
-    return strcmp(((const struct finding *)a)->name, ((const struct finding *)b)->name);
+    return strcmp(((const struct finding *)a)->key, ((const struct finding *)b)->key);
 }
 
-static struct finding *add_finding(struct recovery *recovery, const char *name)
+static struct finding *add_finding(struct recovery *recovery, const char *key)
 {
     if (recovery->count == recovery->capacity) {
         uint32_t capacity = recovery->capacity ? 2 * recovery->capacity : 64;
@@ -57,17 +58,17 @@ static struct finding *add_finding(struct recovery *recovery, const char *name)
     }
     struct finding *finding = &recovery->findings[recovery->count++];
     memset(finding, 0, sizeof *finding);
-    snprintf(finding->name, sizeof finding->name, "%s", name);
+    snprintf(finding->key, sizeof finding->key, "%s", key);
     return finding;
 }
 
-static struct finding *find_or_add(struct recovery *recovery, const char *name)
+static struct finding *find_or_add(struct recovery *recovery, const char *key)
 {
-    struct finding key;
-    snprintf(key.name, sizeof key.name, "%s", name);
+    struct finding sought;
+    snprintf(sought.key, sizeof sought.key, "%s", key);
     struct finding *found =
-        recovery->sorted ? bsearch(&key, recovery->findings, recovery->sorted, sizeof key, by_name) : NULL;
-    return found ? found : add_finding(recovery, name);
+        recovery->sorted ? bsearch(&sought, recovery->findings, recovery->sorted, sizeof sought, by_key) : NULL;
+    return found ? found : add_finding(recovery, key);
 }
 
 /* What the reading of a record tells of the whole. */
@@ -82,11 +83,11 @@ static void note_reading(struct recovery *recovery, enum server_record_reading r
 static bool on_row(void *user, const struct server_row *row)
 {
     struct recovery *recovery = user;
-    struct finding *finding = add_finding(recovery, row->name);
+    struct finding *finding = add_finding(recovery, row->key);
     if (!finding) return false;
     finding->has_row = true;
     finding->uses = row->uses;
-    note_reading(recovery, server_record_read_named(row->name, row->text, row->size, &finding->row));
+    note_reading(recovery, server_record_read_named(row->key, row->text, row->size, &finding->row));
     server_sha256(row->text, row->size, finding->checksum);
     return true;
 }
@@ -98,7 +99,7 @@ static bool on_row(void *user, const struct server_row *row)
 static void aside_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name,
                        const char *suffix)
 {
-    char file[PROTO_MESH_NAME + 2 * SUFFIX];
+    char file[SERVER_KEY_TEXT + 2 * SUFFIX];
     snprintf(file, sizeof file, "%s%s", name, suffix);
     server_files_path(files, path, file);
 }
@@ -185,12 +186,12 @@ static void open_database(struct recovery *recovery)
 static void on_manifest(void *user, const char *path, const char *file)
 {
     struct recovery *recovery = user;
-    char name[PROTO_MESH_NAME + 1], checksum[SERVER_SHA256_HEX] = "";
+    char key[SERVER_KEY_TEXT], checksum[SERVER_SHA256_HEX] = "";
     (void)path;
-    struct finding *finding = server_files_manifest_name(file, name) ? find_or_add(recovery, name) : NULL;
+    struct finding *finding = server_files_manifest_key(file, key) ? find_or_add(recovery, key) : NULL;
     if (!finding) return;
     finding->has_manifest = true;
-    note_reading(recovery, server_files_read_manifest(&recovery->local->files, name, &finding->manifest, checksum));
+    note_reading(recovery, server_files_read_manifest(&recovery->local->files, key, &finding->manifest, checksum));
     finding->differ = strcmp(checksum, finding->checksum) != 0;
 }
 
@@ -209,7 +210,7 @@ static void say(const struct finding *finding, enum server_store_outcome outcome
 {
     struct server_log_line line;
     if (!server_log_begin(&line, SERVER_LOG_WARN, "store_mended")) return;
-    server_log_text(&line, "name", finding->name);
+    server_log_text(&line, "key", finding->key);
     server_log_text(&line, "message", what);
     if (outcome) server_log_text(&line, "failure", "it could not be written; it is tried again at the next start");
     server_log_end(&line);
@@ -230,7 +231,7 @@ static void put_manifest_aside(struct recovery *recovery, const struct finding *
 {
     const struct server_store_files *files = &recovery->local->files;
     char path[SERVER_DISK_PATH], suffix[SUFFIX];
-    server_files_manifest_path(files, path, finding->name);
+    server_files_manifest_path(files, path, finding->key);
     const char *const names[] = {path + strlen(files->folder) + 1, NULL};
     choose_suffix(files, names, suffix);
     move_aside(files, names[0], suffix);
@@ -250,12 +251,12 @@ static void give_up(struct recovery *recovery, const struct finding *finding)
 {
     struct server_store_local *local = recovery->local;
     if (finding->has_manifest) put_manifest_aside(recovery, finding);
-    if (finding->has_row && local->database) (void)server_database_remove(local->database, finding->name);
+    if (finding->has_row && local->database) (void)server_database_remove(local->database, finding->key);
     recovery->lost_some = true;
     server_log_message(
         SERVER_LOG_ERROR, "store_lost",
-        "the mesh '%s' is lost: its manifest and its row in the database are damaged; its bytes are kept",
-        finding->name);
+        "the surface '%s' is lost: its manifest and its row in the database are damaged; its bytes are kept",
+        finding->key);
 }
 
 /* Mends what the table above tells; the record that counts, or NULL. */
@@ -275,7 +276,7 @@ static struct server_record *settle(struct recovery *recovery, const struct find
 static bool settle_all(struct recovery *recovery)
 {
     struct server_store_local *local = recovery->local;
-    if (recovery->count) qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_name);
+    if (recovery->count) qsort(recovery->findings, recovery->count, sizeof *recovery->findings, by_key);
     local->found = calloc(recovery->count + 1, sizeof *local->found);
     if (!local->found) return false;
     for (uint32_t i = 0; i < recovery->count; i++) {
@@ -297,27 +298,31 @@ static void on_temporary(void *user, const char *path, const char *file)
 
 static int by_text(const void *a, const void *b)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    return strcmp(a, b);
 }
 
-/* The hashes of what was found, sorted. NULL without memory. */
-static const char **used_objects(const struct server_store_local *local)
+/* Finds the ids of the objects that the surfaces have. False without memory. */
+static bool find_used_objects(struct recovery *recovery)
 {
-    const char **used = malloc((local->found_count + (size_t)1) * sizeof(char *));
-    if (!used) return NULL;
-    for (uint32_t i = 0; i < local->found_count; i++) used[i] = local->found[i].record->sha256;
-    qsort(used, local->found_count, sizeof(char *), by_text);
-    return used;
+    const struct server_store_local *local = recovery->local;
+    struct server_object object;
+    recovery->used = malloc((SERVER_PARTS * (size_t)local->found_count + 1) * sizeof *recovery->used);
+    if (!recovery->used) return false;
+    for (uint32_t i = 0; i < local->found_count; i++)
+        for (int part = 0; part < SERVER_PARTS; part++)
+            if (server_record_object(local->found[i].record, part, &object))
+                strcpy(recovery->used[recovery->used_count++], object.id);
+    qsort(recovery->used, recovery->used_count, sizeof *recovery->used, by_text);
+    return true;
 }
 
 static void on_object(void *user, const char *path, const char *file)
 {
     const struct recovery *recovery = user;
-    const struct server_store_local *local = recovery->local;
     (void)path;
-    if (strlen(file) == SERVER_SHA256_HEX - 1 &&
-        !bsearch(&file, recovery->used, local->found_count, sizeof(char *), by_text))
-        server_files_remove_object(&local->files, file);
+    if (server_files_object_check(file) &&
+        !bsearch(file, recovery->used, recovery->used_count, sizeof *recovery->used, by_text))
+        server_files_remove_object(&recovery->local->files, file);
 }
 
 static void on_object_folder(void *user, const char *path, const char *file)
@@ -330,8 +335,7 @@ static void on_object_folder(void *user, const char *path, const char *file)
 static void collect(struct recovery *recovery)
 {
     if (recovery->lost_some || recovery->local->is_read_only) return;
-    recovery->used = used_objects(recovery->local);
-    if (recovery->used) each_file(recovery, "objects", on_object_folder);
+    if (find_used_objects(recovery)) each_file(recovery, "objects", on_object_folder);
     free(recovery->used);
     if (server_files_load_ballast(&recovery->local->files) == SERVER_STORE_READ_ONLY)
         server_local_forbid(recovery->local, "the ballast could not be made durable");

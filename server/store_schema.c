@@ -8,6 +8,9 @@ const char *const server_store_schema[] = {
     "CREATE TABLE surfaces (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, record TEXT NOT NULL,"
     "  uses INTEGER NOT NULL DEFAULT 0, used INTEGER NOT NULL DEFAULT 0) WITHOUT ROWID;"
     "CREATE INDEX surfaces_by_sha256 ON surfaces (sha256);",
+    /* kinds and attachments: what was a name is a key (key.h), what was a hash is an object's id (record.h) */
+    "ALTER TABLE surfaces RENAME COLUMN name TO key; ALTER TABLE surfaces RENAME COLUMN sha256 TO file;"
+    "ALTER TABLE surfaces ADD COLUMN attachment TEXT; CREATE INDEX surfaces_by_attachment ON surfaces (attachment);",
 };
 const int server_store_schema_version = sizeof server_store_schema / sizeof *server_store_schema;
 
@@ -46,16 +49,22 @@ enum server_store_outcome server_store_version(sqlite3 *database, int *version)
     return server_store_outcome_of(code);
 }
 
-enum server_store_outcome server_store_copy(sqlite3 *database, const char *path)
+/* A copy in a new file, or in memory; `*out` is to be closed whatever the outcome. */
+static enum server_store_outcome open_copy(sqlite3 *database, const char *path, sqlite3 **out)
 {
-    sqlite3 *second;
-    int code = sqlite3_open(path, &second);
-    sqlite3_backup *backup = code ? NULL : sqlite3_backup_init(second, "main", database, "main");
+    int code = sqlite3_open(path, out);
+    sqlite3_backup *backup = code ? NULL : sqlite3_backup_init(*out, "main", database, "main");
     if (backup) (void)sqlite3_backup_step(backup, -1);
     if (backup) (void)sqlite3_backup_finish(backup);
-    code = sqlite3_extended_errcode(second);
-    sqlite3_close(second);
-    return server_store_outcome_of(code);
+    return server_store_outcome_of(sqlite3_extended_errcode(*out));
+}
+
+enum server_store_outcome server_store_copy(sqlite3 *database, const char *path)
+{
+    sqlite3 *copy;
+    enum server_store_outcome outcome = open_copy(database, path, &copy);
+    sqlite3_close(copy);
+    return outcome;
 }
 
 static enum server_store_outcome run(sqlite3 *database, const char *sql)
@@ -84,4 +93,18 @@ enum server_store_outcome server_store_migrate(sqlite3 *database, const char *co
     if (from < 0 || from > version) return SERVER_STORE_DAMAGED;
     if (from > 0) outcome = server_store_copy(database, copy_path);
     return outcome ? outcome : run_steps(database, steps, from, version);
+}
+
+enum server_store_outcome server_store_lift(sqlite3 *database, sqlite3 **out)
+{
+    sqlite3 *copy;
+    int from = 0;
+    enum server_store_outcome outcome = open_copy(database, ":memory:", &copy);
+    if (!outcome) outcome = server_store_version(copy, &from);
+    if (!outcome) outcome = run_steps(copy, server_store_schema, from, server_store_schema_version);
+    if (outcome)
+        sqlite3_close(copy);
+    else
+        *out = copy;
+    return outcome;
 }

@@ -18,6 +18,10 @@ enum server_store_outcome server_store_migrate(struct sqlite3 *database, const c
 /* The version that the database says it has; 0: it has no tables yet. */
 enum server_store_outcome server_store_version(struct sqlite3 *database, int *version);
 
+/* A copy in memory of a database of an earlier version, brought to today's; for the caller to close. The database stays as it
+ * is. */
+enum server_store_outcome server_store_lift(struct sqlite3 *database, struct sqlite3 **out);
+
 /* Copies the database, as it is at one moment, into a new file. */
 enum server_store_outcome server_store_copy(struct sqlite3 *database, const char *path);
 

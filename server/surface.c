@@ -3,7 +3,9 @@
 
 #include <stdlib.h>
 
-struct server_surface *server_surface_create(struct server_record *record, struct gd_mesh *mesh, size_t bytes,
+#include "server/kind.h"
+
+struct server_surface *server_surface_create(struct server_record *record, void *object, size_t bytes,
                                              struct server_budget *budget, struct server_cache *cache)
 {
     struct server_surface *surface = malloc(sizeof *surface);
@@ -15,12 +17,20 @@ struct server_surface *server_surface_create(struct server_record *record, struc
     }
     *surface = (struct server_surface){.references = 1,
                                        .record = server_record_retain(record),
-                                       .mesh = mesh,
+                                       .object = object,
                                        .bytes = bytes,
                                        .budget = budget,
                                        .shelf = shelf};
     server_budget_move(budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_MESHES, bytes);
     return surface;
+}
+
+void server_surface_attach(struct server_surface *surface, void *attachment)
+{
+    size_t bytes = (size_t)surface->record->attachment_size;
+    surface->attachment = attachment;
+    surface->bytes += bytes;
+    server_budget_move(surface->budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_MESHES, bytes);
 }
 
 struct server_surface *server_surface_retain(struct server_surface *surface)
@@ -34,7 +44,8 @@ void server_surface_release(struct server_surface *surface)
     if (!surface || atomic_fetch_sub(&surface->references, 1) != 1) return;
     server_surface_retire(surface);
     server_shelf_release(surface->shelf);
-    gd_mesh_release(surface->mesh);
+    surface->record->kind->release(surface->object);
+    free(surface->attachment);
     server_budget_give(surface->budget, SERVER_BUDGET_MESHES, surface->bytes);
     server_record_release(surface->record);
     free(surface);

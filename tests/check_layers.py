@@ -14,10 +14,14 @@ RANK = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "query": 4, "tran
 PUBLIC = {
     "base": ["status", "vec", "control", "executor", "polygons", "number"],
     "mesh": ["mesh", "point", "locate", "direction"],
-    "io": ["io"],
+    "io": ["io", "control_mesh"],
     "wedge": ["cpu", "workspace"],
     "field": ["field", "path", "isoline", "voronoi"],
     "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
+    "cut": ["cut"],
+    "transport": ["trace", "vector", "mean"],
+    "subdiv": ["subdivision", "limit", "limit_path", "discretization"],
+    "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}
 

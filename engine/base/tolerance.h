@@ -55,6 +55,9 @@
 /* ... and up to this part when the finer snap leads past the source: a ray that begins at a wedge's stored end (2^-32 of the edge) is off by more. */
 #define GD_TOL_SNAP_MOST 1e-7
 
+/* ... and for a path so short that the way through the vertex is no shortest one: between points that lie as close to it as they are to each other. */
+#define GD_TOL_SNAP_LEAST 1e-17
+
 /* A traced ray has reached its pseudo-source when the image lies this close to it, relative to the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6
 
@@ -80,6 +83,10 @@
  * Where a bisector meets an edge of two sources' sight at a small angle, the nudge and rounding move its end by much more than they are. */
 #define GD_TOL_NODE 1e-6
 
+/* A line may be taken to see more than it does by this part of its distance there, where rounding would leave a gap: it is too near then by half that
+ * part of what it is lengthened by. */
+#define GD_TOL_LENGTHENED 1e-3
+
 /* Ends of an isoline's arcs this close together, relative to the face, are looked at first to find which of them are one. It bounds the work, not
  * what is matched. */
 #define GD_TOL_MEET 1e-6
@@ -100,10 +107,87 @@
 #define GD_TOL_FLOAT       6e-8
 #define GD_TOL_FLOAT_LEAST 1e-44
 
+/* A straight line that comes this close to a vertex, relative to the edge that it crosses there, goes through it; and its end lies on the edge or the
+ * vertex that it is this close to, relative to the edge and to its length, whichever is shorter. Also, as an angle, how far half a turn may miss a
+ * boundary edge: straight boundaries are so up to rounding. */
+#define GD_TOL_HIT 1e-12
+
+/* ... and this part of the way that it has come is added: what unfolding face after face rounds away. */
+#define GD_TOL_DRIFT 1e-15
+
+/* A segment of a vector that is followed by another ends in the vertex that it comes this close to, relative to its length; and a segment that meets the boundary
+ * with so little left has come to its end. Faces as flat as GD_TOL_FLAT round away almost as much. */
+#define GD_TOL_JOINT 1e-9
+
+/* A line touches a segment of itself that it misses by this part of the two: it has come round with the rounding of its whole way. */
+#define GD_TOL_TOUCH 1e-9
+
+/* What a cut's curve passes more closely than this part of a face's longest edge it is moved to: ten times what a face must not be flatter than. In faces that
+ * are nearly flat themselves more is tried, up to the second, by steps of the third. */
+#define GD_TOL_SEAM      1e-6
+#define GD_TOL_SEAM_MOST 1.5e-2
+#define GD_TOL_SEAM_STEP 10
+
+/* A side of a triangulation is flipped when the sine of its opposite angles' sum is this far below zero: the rounding of both, so that no flip is undone. */
+#define GD_TOL_DELAUNAY 1e-12
+
+/* A mean is found when the step that would be next is this part of how far the points lie from it: directions and lengths of some searches, rounded. */
+#define GD_TOL_MEAN 1e-11
+
 /* Coordinates and extents beyond this and its inverse are refused: their squares leave the range of doubles. */
 #define GD_EXTENT_MAX 1e150
 
 /* Within one mesh lengths and coordinates stay within this factor of the mean edge: fourth powers stay in range. */
 #define GD_EXTENT_RATIO 1e75
+
+/* --- parametric surfaces (nurbs) --- */
+
+/* Two borders of a surface are one curve, or a border is one point, when they agree to this part of the surface's size: lengths across are off by no
+ * more. */
+#define GD_TOL_CLOSED 1e-11
+
+/* Derivatives in u and v that enclose an area of less than this part of their squares are parallel: a pole. */
+#define GD_TOL_REGULAR 1e-14
+
+/* A pivot of Cholesky's method below this part of its diagonal entry is zero but for rounding: the matrix is not positive definite. */
+#define GD_TOL_PIVOT 1e-13
+
+/* The second derivative of a length by the place of its end, relative to 1 / length, is zero but for rounding below this. */
+#define GD_TOL_DEGENERATE 1e-9
+
+/* Newton's method on a length has arrived when the next step promises less than this part of it: the square of what rounding leaves of the gradient. */
+#define GD_TOL_STATIONARY 1e-24
+
+/* ... and below this promise lengths no longer tell steps apart: steps are taken as they come, as long as the promise falls. */
+#define GD_TOL_BLIND 1e-12
+
+/* A curve may leave its smooth cell of a surface by this part of the cell's width: the cell goes on smoothly, and differs from its neighbour by the square
+ * of that at most. */
+#define GD_TOL_CELL 1e-8
+
+/* Two curves on a surface meet when places of them are this close in space, relative to the surface's size; then their distance is 0. */
+#define GD_TOL_COINCIDE 1e-13
+
+/* ... and this close in the domain, relative to its width: a surface may pass through itself. */
+#define GD_TOL_ONE_PLACE 1e-6
+
+/* Ends of a spline that meet a curve at less than a right angle by more than this are refined. */
+#define GD_TOL_END 1e-9
+
+/* A path through a pole is straight there, and so a geodesic, when its direction changes by less than this: the length is off by the square. */
+#define GD_TOL_POLE_BEND 1e-6
+
+/* Geodesics of a subdivision surface: the error of an integration step relative to the patch and the speed, a few hundred times rounding; */
+#define GD_TOL_GEODESIC 1e-13
+
+/* ... how far beyond the border of a patch, relative to it, a path that runs along the border counts as inside: the polynomial goes on there, and is off by the
+ * third power of that; */
+#define GD_TOL_PATCH 1e-12
+
+/* ... and a vertex this near, relative to the surface's extent, is met: that moves the path no more. */
+#define GD_TOL_VERTEX 1e-11
+
+/* A foot on a limit surface is found when Newton's step is this small in the face's coordinates. */
+#define GD_TOL_FOOT 1e-14
 
 #endif

@@ -421,6 +421,8 @@ enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct 
     enum gd_status status = GD_INTERNAL;
     for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
         status = try_path(field, point, &leg, snap, out, seed);
+    for (double snap = 0.01 * GD_TOL_SNAP; status == GD_INTERNAL && snap >= GD_TOL_SNAP_LEAST; snap *= 0.01)
+        status = try_path(field, point, &leg, snap, out, seed);
     return status;
 }
 

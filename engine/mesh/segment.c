@@ -9,13 +9,30 @@ static bool is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point,
            (mesh->origin[2 * edge] == point->element || mesh->origin[2 * edge + 1] == point->element);
 }
 
-static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face)
+bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
 {
-    if (face == GD_NONE) return false;
-    if (point->kind == GD_POINT_FACE) return point->element == face;
-    double weight[3];
-    gd__point_weights(mesh, point, face, weight);
-    return weight[0] + weight[1] + weight[2] > 0;
+    for (uint32_t k = 0; k < 3 && point->kind != GD_POINT_FACE; k++) {
+        uint32_t side = mesh->face_side[face][k];
+        if (point->kind == GD_POINT_EDGE ? side >> 1 == point->element : mesh->origin[side] == point->element)
+            return true;
+    }
+    return point->kind == GD_POINT_FACE && point->element == face;
+}
+
+uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
+{
+    if (p->kind == GD_POINT_FACE) return gd__face_contains(mesh, p->element, q) ? p->element : GD_NONE;
+    if (q->kind != GD_POINT_VERTEX && p->kind == GD_POINT_VERTEX) return gd__common_face(mesh, q, p);
+    uint32_t begin = 2 * p->element, end = begin + 2;
+    if (p->kind == GD_POINT_VERTEX) {
+        begin = mesh->fan_first[p->element];
+        end = mesh->fan_first[p->element + 1];
+    }
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t face = mesh->side_face[p->kind == GD_POINT_VERTEX ? mesh->fan[i].side : i];
+        if (face != GD_NONE && gd__face_contains(mesh, face, q)) return face;
+    }
+    return GD_NONE;
 }
 
 /* The only edge that two points might have in common. */
@@ -28,16 +45,6 @@ static uint32_t edge_between(const struct gd_mesh *mesh, const struct gd_point *
     return side == GD_NONE ? GD_NONE : side >> 1;
 }
 
-/* A face of `wide`, which is no vertex, that contains the other point. */
-static uint32_t face_between(const struct gd_mesh *mesh, const struct gd_point *wide, const struct gd_point *other)
-{
-    uint32_t faces[2] = {wide->element, GD_NONE};
-    if (wide->kind == GD_POINT_EDGE)
-        for (uint32_t k = 0; k < 2; k++) faces[k] = mesh->side_face[2 * wide->element + k];
-    if (is_in_face(mesh, other, faces[0])) return faces[0];
-    return is_in_face(mesh, other, faces[1]) ? faces[1] : GD_NONE;
-}
-
 bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
                       struct gd__home *out)
 {
@@ -47,9 +54,7 @@ bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, cons
     if (edge != GD_NONE && is_on_edge(mesh, a, edge) && is_on_edge(mesh, b, edge)) {
         home.edge = edge;
     } else {
-        const struct gd_point *wide = a->kind >= b->kind ? a : b;
-        if (wide->kind == GD_POINT_VERTEX) return false;
-        home.face = face_between(mesh, wide, wide == a ? b : a);
+        home.face = gd__common_face(mesh, a, b);
         if (home.face == GD_NONE) return false;
     }
     *out = home;

@@ -4,7 +4,14 @@
 
 #include "mesh/local.h"
 
-/* Where it lies: along an edge, or across a face. */
+/* Does the point lie in the face or on its border? */
+bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point);
+
+/* A face that both points lie in or on, where the shortest path between them is straight; GD_NONE: there is none. Walks the fan of a vertex only
+ * when both are vertices. */
+uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q);
+
+/* Where a segment lies: along an edge, or across a face. */
 struct gd__home {
     uint32_t edge; /* GD_NONE: not along an edge */
     uint32_t face; /* GD_NONE: along an edge */

@@ -2,13 +2,11 @@
 
 #include <math.h>
 
+#include "mesh/segment.h"
+
 static bool is_in_face(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face)
 {
-    double weight[3];
-    if (face == GD_NONE) return false;
-    if (point->kind == GD_POINT_FACE) return point->element == face;
-    gd__point_weights(mesh, point, face, weight);
-    return weight[0] + weight[1] + weight[2] > 0;
+    return face != GD_NONE && gd__face_contains(mesh, face, point);
 }
 
 /* From side k of a face, in whose frame both lie. Differences are taken of the weights, which keep small ones. */

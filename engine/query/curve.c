@@ -6,6 +6,7 @@
 #include "gd/query.h"
 #include "mesh/canonical.h"
 #include "mesh/topology.h"
+#include "mesh/segment.h"
 
 #define FIRST_CAPACITY 16
 #define PORTION        4096 /* points between two looks at the control */
@@ -72,10 +73,10 @@ static enum gd_status add(struct drawing *drawing, const struct gd_point *point)
 static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j, const struct gd_landmarks *landmarks,
                            const struct gd_control *control)
 {
-    const struct gd_curve_request *request = drawing->request;
+    const struct gd_point *from = &drawing->request->points[i], *to = &drawing->request->points[j];
+    if (gd__common_face(drawing->mesh, from, to) != GD_NONE) return add(drawing, to);
     struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(drawing->mesh, &request->points[i], &request->points[j], true, landmarks,
-                                          control, &answer, drawing->detail);
+    enum gd_status status = gd_pair_solve(drawing->mesh, from, to, true, landmarks, control, &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
         status = gd_fail(drawing->detail, GD_INVALID_ARGUMENT,

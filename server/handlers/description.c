@@ -4,28 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/kind.h"
 #include "server/reply.h"
-
-static void write_surface(struct proto_writer *writer, const struct server_surface *surface)
-{
-    const struct server_record *record = surface->record;
-    const struct proto_mesh_description description = {
-        .name = record->name,
-        .sha256 = record->sha256,
-        .created = record->created,
-        .etag = record->etag,
-        .fields_cached = server_shelf_count(surface->shelf),
-        .memory_bytes = surface->bytes,
-        .mesh = surface->mesh,
-    };
-    proto_mesh_encode(writer, &description);
-}
 
 void server_description_write(struct proto_writer *writer, const struct server_listed *listed)
 {
     const char *remembered = listed->record->description;
     if (listed->surface)
-        write_surface(writer, listed->surface);
+        listed->record->kind->describe(writer, listed->surface);
     else
         proto_write_raw(writer, remembered, strlen(remembered));
 }
@@ -36,7 +22,7 @@ bool server_description_remember(struct server_surface *surface)
     struct proto_writer writer;
     size_t size = 0;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
-    write_surface(&writer, surface);
+    record->kind->describe(&writer, surface);
     proto_append(&writer, "", 1); /* the NUL */
     record->description = proto_writer_take(&writer, &size);
     record->memory = surface->bytes;

@@ -1,4 +1,4 @@
-/* Description: a mesh as a resource, in an answer. */
+/* Description: a surface as a resource, in an answer. */
 #ifndef SERVER_HANDLERS_DESCRIPTION_H
 #define SERVER_HANDLERS_DESCRIPTION_H
 
@@ -6,7 +6,7 @@
 #include "server/exchange.h"
 #include "server/registry.h"
 
-/* As it is now when the mesh is in memory, else as its record remembers it. */
+/* As it is now when the surface is in memory, else as its record remembers it. */
 void server_description_write(struct proto_writer *writer, const struct server_listed *listed);
 
 /* Replies with the description and its ETag. */

@@ -171,10 +171,10 @@ static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, 
                        uint32_t count, uint32_t limit)
 {
     uint32_t written = count < limit ? count : limit;
-    proto_field_list_begin(writer);
+    proto_page_begin(writer, "fields");
     for (uint32_t i = 0; i < written; i++)
         proto_field_encode(writer, mesh, &resources[i]->description, PROTO_FIELD_FIELD_ALL);
-    proto_field_list_end(writer, count > limit ? resources[limit - 1]->id : NULL);
+    proto_page_end(writer, count > limit ? resources[limit - 1]->id : NULL);
 }
 
 static void reply_page(struct server_exchange *exchange, struct server_surface *surface, const struct proto_page *page)

@@ -13,14 +13,16 @@ void server_handle_get_readyz(struct server_exchange *exchange);
 void server_handle_get_metrics(struct server_exchange *exchange);
 void server_handle_get_service(struct server_exchange *exchange);
 
-/* upload.c */
-void server_handle_create_mesh(struct server_exchange *exchange);
-void server_handle_put_mesh(struct server_exchange *exchange);
+/* upload.c, of surfaces of any kind */
+void server_handle_create_surface(struct server_exchange *exchange);
+void server_handle_put_surface(struct server_exchange *exchange);
+
+/* surfaces.c, of any kind */
+void server_handle_list_surfaces(struct server_exchange *exchange);
+void server_handle_get_surface(struct server_exchange *exchange);
+void server_handle_delete_surface(struct server_exchange *exchange);
 
 /* meshes.c */
-void server_handle_list_meshes(struct server_exchange *exchange);
-void server_handle_get_mesh(struct server_exchange *exchange);
-void server_handle_delete_mesh(struct server_exchange *exchange);
 void server_handle_get_mesh_content(struct server_exchange *exchange);
 
 /* pair.c */
@@ -61,6 +63,16 @@ void server_handle_voronoi(struct server_exchange *exchange);
 
 /* sampling.c */
 void server_handle_farthest_points(struct server_exchange *exchange);
+
+/* cut.c */
+void server_handle_cut(struct server_exchange *exchange);
+
+/* trace.c, exp.c, log.c, transport.c, mean.c */
+void server_handle_trace(struct server_exchange *exchange);
+void server_handle_exp(struct server_exchange *exchange);
+void server_handle_log(struct server_exchange *exchange);
+void server_handle_transport(struct server_exchange *exchange);
+void server_handle_mean(struct server_exchange *exchange);
 
 /* jobs.c */
 void server_handle_list_jobs(struct server_exchange *exchange);

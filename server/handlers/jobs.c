@@ -22,7 +22,7 @@
 static struct server_async *find_job(struct server_exchange *exchange)
 {
     const struct proto_capture *id = &exchange->match.captures[0];
-    struct server_async *job = server_jobs_find(exchange->server->jobs, id->text, id->length);
+    struct server_async *job = server_jobs_find(exchange->server->jobs, exchange->tenant, id->text, id->length);
     if (!job)
         server_reply_refusal(
             exchange, PROTO_PROBLEM_NOT_FOUND,
@@ -100,12 +100,12 @@ void server_handle_get_job_result(struct server_exchange *exchange)
 static void write_page(struct proto_writer *writer, struct server_async *const *jobs, uint32_t count, uint32_t limit)
 {
     uint32_t written = count < limit ? count : limit;
-    proto_job_list_begin(writer);
+    proto_page_begin(writer, "jobs");
     for (uint32_t i = 0; i < written; i++) {
         struct proto_job told = server_async_look(jobs[i]);
         proto_job_encode(writer, &told, PROTO_JOB_BRIEF);
     }
-    proto_job_list_end(writer, count > limit ? server_async_look(jobs[limit - 1]).id : NULL);
+    proto_page_end(writer, count > limit ? server_async_look(jobs[limit - 1]).id : NULL);
 }
 
 void server_handle_list_jobs(struct server_exchange *exchange)
@@ -120,7 +120,7 @@ void server_handle_list_jobs(struct server_exchange *exchange)
         server_reply_problem(exchange, &problem);
         return;
     }
-    uint32_t count = server_jobs_list(exchange->server->jobs, page.after, page.limit + 1,
+    uint32_t count = server_jobs_list(exchange->server->jobs, exchange->tenant, page.after, page.limit + 1,
                                       jobs); /* one more tells whether there is a next page */
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     write_page(&writer, jobs, count, page.limit);

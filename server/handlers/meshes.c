@@ -1,86 +1,13 @@
-/* Meshes: list, describe, remove, send back. */
+/* Meshes: what they have besides what all surfaces have (surfaces.c): the file that they can be sent back as. */
 #include "server/handlers/handlers.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "gd/io.h"
-#include "proto/page.h"
 #include "server/handlers/description.h"
 #include "server/handlers/request.h"
 #include "server/reply.h"
 #include "server/server.h"
-
-/* --- list --------------------------------------------------------------------------------------------------------- */
-
-static void write_page(struct proto_writer *writer, struct server_listed *listed, uint32_t count, uint32_t limit)
-{
-    uint32_t written = count < limit ? count : limit;
-    proto_mesh_list_begin(writer);
-    for (uint32_t i = 0; i < written; i++) server_description_write(writer, &listed[i]);
-    proto_mesh_list_end(writer, count > limit ? listed[limit - 1].record->name : NULL);
-}
-
-void server_handle_list_meshes(struct server_exchange *exchange)
-{
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
-    struct proto_page page;
-    struct proto_writer writer;
-    struct server_listed listed[PROTO_PAGE_MOST + 1];
-    if (!server_reply_accepts_json(exchange)) return;
-    if (!proto_page_parse(&parameters, &page, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    uint32_t count = server_registry_list(exchange->server->registry, page.after, page.limit + 1,
-                                          listed); /* one more tells whether there is a next page */
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    write_page(&writer, listed, count, page.limit);
-    for (uint32_t i = 0; i < count; i++) server_listed_release(&listed[i]);
-    server_reply_json(exchange, 200, &writer);
-}
-
-/* --- describe, remove --------------------------------------------------------------------------------------------- */
-
-void server_handle_get_mesh(struct server_exchange *exchange)
-{
-    struct server_listed listed;
-    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
-    if (!server_request_record(exchange, &listed)) return;
-    server_description_reply(exchange, 200, &listed);
-    server_listed_release(&listed);
-}
-
-/* By the registry's writer. */
-static bool remove_mesh(struct server_exchange *exchange)
-{
-    const struct server_precondition precondition = server_precondition_read(exchange);
-    char name[PROTO_MESH_NAME + 1];
-    if (!server_request_name(exchange, name)) return true;
-    enum server_store_outcome outcome = server_registry_remove(exchange->server->registry, name, &precondition);
-    if (outcome == SERVER_STORE_DONE)
-        server_reply_empty(exchange, 204);
-    else
-        server_request_fail(exchange, outcome);
-    return true;
-}
-
-static bool leave_to_writer(struct server_exchange *exchange)
-{
-    server_registry_submit(exchange->server->registry, &exchange->job);
-    return true;
-}
-
-void server_handle_delete_mesh(struct server_exchange *exchange)
-{
-    struct server_listed listed;
-    if (!server_request_is_plain(exchange) || !server_request_record(exchange, &listed)) return;
-    server_listed_release(&listed);
-    server_exchange_defer(exchange, remove_mesh, leave_to_writer);
-}
-
-/* --- send back ---------------------------------------------------------------------------------------------------- */
 
 /* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an index 11. */
 static size_t content_cost(const struct gd_mesh *mesh)

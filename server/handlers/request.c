@@ -4,11 +4,22 @@
 #include <string.h>
 #include <strings.h>
 
+#include "server/kind.h"
 #include "server/loader.h"
 #include "server/reply.h"
 #include "server/server.h"
 
-bool server_request_name(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1])
+#define KIND_SEGMENT 1 /* of the path */
+
+const struct server_kind *server_request_kind(const struct server_exchange *exchange)
+{
+    const struct proto_route *route = exchange->match.route;
+    const char *plural = route && route->segment_count > KIND_SEGMENT ? route->segments[KIND_SEGMENT] : NULL;
+    const struct server_kind *kind = plural ? server_kind_by_plural(plural) : NULL;
+    return kind ? kind : &server_kind_mesh;
+}
+
+bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1], struct server_key *key)
 {
     const struct proto_capture *capture = &exchange->match.captures[0];
     struct proto_problem problem;
@@ -18,6 +29,7 @@ bool server_request_name(struct server_exchange *exchange, char name[PROTO_MESH_
     }
     memcpy(name, capture->text, capture->length);
     name[capture->length] = '\0';
+    *key = (struct server_key){exchange->tenant, server_request_kind(exchange), name};
     return true;
 }
 
@@ -33,15 +45,18 @@ bool server_request_is_plain(struct server_exchange *exchange)
 /* The same for every name, so that it tells nothing of names that exist for others. */
 static void reply_absent(struct server_exchange *exchange)
 {
+    const struct server_kind *kind = server_request_kind(exchange);
     server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
-                         "there is no mesh of this name; GET /v1/meshes lists those that there are");
+                         "there is no %s of this name; GET /v1/%s lists those that there are", kind->noun,
+                         kind->plural);
 }
 
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out)
 {
     char name[PROTO_MESH_NAME + 1];
-    if (!server_request_name(exchange, name)) return false;
-    if (server_registry_find(exchange->server->registry, name, out)) return true;
+    struct server_key key;
+    if (!server_request_key(exchange, name, &key)) return false;
+    if (server_registry_find(exchange->server->registry, &key, out)) return true;
     reply_absent(exchange);
     return false;
 }
@@ -106,7 +121,8 @@ static bool join(struct server_exchange *exchange)
 {
     struct server_listed listed;
     char name[PROTO_MESH_NAME + 1];
-    if (!server_request_name(exchange, name) || !server_registry_find(exchange->server->registry, name, &listed))
+    struct server_key key;
+    if (!server_request_key(exchange, name, &key) || !server_registry_find(exchange->server->registry, &key, &listed))
         return false;
     bool joined = !listed.surface && server_loads_join(exchange->server->loads, listed.record, &exchange->job);
     server_listed_release(&listed);
@@ -117,10 +133,11 @@ static bool join(struct server_exchange *exchange)
 static struct server_surface *find_surface(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
+    struct server_key key;
     struct server_listed listed;
     if (exchange->surface) return server_surface_retain(exchange->surface);
-    if (!server_request_name(exchange, name)) return NULL;
-    if (!server_registry_use(exchange->server->registry, name, &listed)) {
+    if (!server_request_key(exchange, name, &key)) return NULL;
+    if (!server_registry_use(exchange->server->registry, &key, &listed)) {
         reply_absent(exchange);
         return NULL;
     }
@@ -138,6 +155,13 @@ struct server_surface *server_request_surface(struct server_exchange *exchange)
     server_request_fail(exchange, SERVER_STORE_PRECONDITION);
     server_surface_release(surface);
     return NULL;
+}
+
+bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
+{
+    server_exchange_defer(exchange, work, NULL);
+    server_registry_submit(exchange->server->registry, &exchange->job);
+    return false;
 }
 
 /* --- bodies and failures ------------------------------------------------------------------------------------------ */
@@ -168,7 +192,8 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
     case SERVER_STORE_PRECONDITION:
         server_reply_refusal(
             exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
-            "the mesh is not in the state that If-Match or If-None-Match asks for; get its ETag and try again");
+            "the %s is not in the state that If-Match or If-None-Match asks for; get its ETag and try again",
+            server_request_kind(exchange)->noun);
         break;
     case SERVER_STORE_NO_MEMORY:
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
@@ -176,7 +201,7 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
     case SERVER_STORE_FULL:
         server_reply_refusal(
             exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
-            "the server's disk is full; nothing was changed: delete meshes, or try again when there is "
+            "the server's disk is full; nothing was changed: delete surfaces, or try again when there is "
             "room");
         break;
     case SERVER_STORE_REFUSED:

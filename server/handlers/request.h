@@ -6,8 +6,12 @@
 #include "server/exchange.h"
 #include "server/registry.h"
 
-/* The name in the path, NUL-terminated, of the form that names have; else false, with a problem replied. */
-bool server_request_name(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1]);
+/* The kind of surface that the route is about: "/v1/<plural>…". Of any other route: meshes. */
+const struct server_kind *server_request_kind(const struct server_exchange *exchange);
+
+/* What the path names: the key, whose name is written to `name`, which it borrows, has the form that names have; else false,
+ * with a problem replied. */
+bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_NAME + 1], struct server_key *key);
 
 /* True when there are no query-string parameters, for operations that have none; else false, with a problem replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
@@ -19,6 +23,10 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
  * are looked at when its answer is there, reply.c). NULL: the handler is to return at once; a problem is replied, or the
  * exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
+
+/* Has `work` done by the registry's writer: the last act of work that has something to store. False: as that work then
+ * returns. */
+bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
 
 /* The body as a JSON document, owned by the caller (json_decref), or NULL with unsupported_media_type or
  * invalid_request in `problem`. */

@@ -1,14 +1,15 @@
-/* Upload: the bytes of a file become a mesh under a name. Read and built by a worker, then stored by the registry's
- * writer: it is durable before the answer says that it is there. */
+/* Upload: the bytes of a file become a surface under a name. Read and built by a worker, then stored by the registry's
+ * writer: it is durable before the answer says that it is there. The route tells the kind (request.h). */
 #include "server/handlers/handlers.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/build.h"
 #include "server/handlers/description.h"
+#include "server/handlers/making.h"
 #include "server/handlers/request.h"
+#include "server/kind.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -16,7 +17,6 @@
 
 struct upload {
     char name[PROTO_MESH_NAME + 1]; /* empty: to be made from the bytes */
-    struct proto_mesh_options options;
     struct server_record *record;
     struct server_surface *surface; /* NULL: not built as yet */
 };
@@ -31,27 +31,43 @@ static void free_upload(void *state)
 
 static void reply_description(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)
 {
-    server_reply_header(exchange, "Location", "/v1/meshes/%s", listed->record->name);
+    const struct server_record *record = listed->record;
+    server_reply_header(exchange, "Location", "/v1/%s/%s", record->kind->plural, record->name);
     server_description_reply(exchange, status, listed);
 }
 
 /* --- steps, each replies when it fails ---------------------------------------------------------------------------- */
 
+static bool read_options(struct server_exchange *exchange, char text[SERVER_OPTIONS])
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    const struct server_file file = {exchange->body.bytes, exchange->body.size,
+                                     server_exchange_header(exchange, "Content-Type")};
+    struct proto_problem problem;
+    if (server_request_kind(exchange)->read_options(&parameters, &file, text, &problem)) return true;
+    server_reply_problem(exchange, &problem);
+    return false;
+}
+
 static bool identify(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_body *body = &exchange->body;
-    char sha256[SERVER_SHA256_HEX];
-    server_record_release(upload->record); /* of the last time, if the name was another mesh's before it was stored */
+    char sha256[SERVER_SHA256_HEX], options[SERVER_OPTIONS];
+    if (!read_options(exchange, options)) return false;
     server_sha256(body->bytes, body->size, sha256);
     if (!upload->name[0]) snprintf(upload->name, sizeof upload->name, "%.*s", GENERATED_NAME, sha256);
-    upload->options.format = proto_mesh_upload_format(&upload->options, body->bytes, body->size,
-                                                      server_exchange_header(exchange, "Content-Type"));
-    upload->record = server_record_create(upload->name, sha256, body->size, &upload->options);
+    server_record_release(
+        upload->record); /* of the last time, if the name was another surface's before it was stored */
+    upload->record = server_record_create(
+        &(struct server_origin){.key = {exchange->tenant, server_request_kind(exchange), upload->name},
+                                .sha256 = sha256,
+                                .size = body->size,
+                                .options = options});
     if (!upload->record) server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
     return upload->record != NULL;
 }
 
-/* The name holds the same already: the upload goes on, to make sure of what is stored, and to bring the mesh into
+/* The name holds the same already: the upload goes on, to make sure of what is stored, and to bring the surface into
  * memory if it is not there. */
 static void take_over(struct upload *upload, const struct server_listed *before)
 {
@@ -64,8 +80,9 @@ static void take_over(struct upload *upload, const struct server_listed *before)
 static bool answer_from_registry(struct server_exchange *exchange, struct upload *upload)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
+    const struct server_key key = server_record_key(upload->record);
     struct server_listed before = {0};
-    bool exists = server_registry_find(exchange->server->registry, upload->name, &before), replied = false;
+    bool exists = server_registry_find(exchange->server->registry, &key, &before), replied = false;
     if (!server_precondition_holds(&precondition, exists ? before.record->etag : NULL)) {
         server_request_fail(exchange, SERVER_STORE_PRECONDITION);
         replied = true;
@@ -74,29 +91,6 @@ static bool answer_from_registry(struct server_exchange *exchange, struct upload
     }
     server_listed_release(&before);
     return replied;
-}
-
-static struct server_surface *make_surface(struct server_exchange *exchange, const struct upload *upload)
-{
-    struct server *server = exchange->server;
-    struct server_monitor monitor = {.exchange = exchange};
-    const struct server_builder builder = {.budget = &server->budget,
-                                           .cache = server->cache,
-                                           .max_faces = (uint32_t)server->config.max_faces,
-                                           .control = server_exchange_control(&monitor)};
-    struct server_surface *surface = NULL;
-    struct proto_problem problem;
-    if (server_build_surface(&builder, upload->record, exchange->body.bytes, &surface, &problem))
-        server_reply_problem(exchange, &problem);
-    return surface;
-}
-
-/* A record that was in the registry before is complete, and immutable. */
-static bool complete(struct server_exchange *exchange, struct server_surface *surface)
-{
-    if (surface->record->description || server_description_remember(surface)) return true;
-    server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-    return false;
 }
 
 static void reply_outcome(struct server_exchange *exchange, struct server_surface *surface,
@@ -114,10 +108,10 @@ static void reply_outcome(struct server_exchange *exchange, struct server_surfac
 
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
-static bool make_mesh(struct server_exchange *exchange);
+static bool make_surface(struct server_exchange *exchange);
 
 /* By the writer. */
-static bool store_mesh(struct server_exchange *exchange)
+static bool store_surface(struct server_exchange *exchange)
 {
     const struct server_precondition precondition = server_precondition_read(exchange);
     const struct upload *upload = exchange->state;
@@ -127,46 +121,38 @@ static bool store_mesh(struct server_exchange *exchange)
     return true;
 }
 
-/* By the writer, of a mesh that is in memory already. If it no longer is the name's, the upload begins anew. */
-static bool confirm_mesh(struct server_exchange *exchange)
+/* By the writer, of a surface that is in memory already. If it no longer is the name's, the upload begins anew. */
+static bool confirm_surface(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
     enum server_store_outcome outcome =
-        server_registry_confirm(exchange->server->registry, upload->record, exchange->body.bytes);
+        server_registry_confirm(exchange->server->registry, upload->surface, exchange->body.bytes);
     if (outcome != SERVER_STORE_ABSENT) {
         reply_outcome(exchange, upload->surface, outcome);
         return true;
     }
     server_surface_release(upload->surface);
     upload->surface = NULL;
-    server_exchange_defer(exchange, make_mesh, NULL);
+    server_exchange_defer(exchange, make_surface, NULL);
     server_workers_resume(exchange->server->workers, &exchange->job);
     return false;
 }
 
-/* Leaves the exchange to the writer, which has `work` done. */
-static bool pass_on(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
-{
-    server_exchange_defer(exchange, work, NULL);
-    server_registry_submit(exchange->server->registry, &exchange->job);
-    return false;
-}
-
 /* By a worker. */
-static bool make_mesh(struct server_exchange *exchange)
+static bool make_surface(struct server_exchange *exchange)
 {
     struct upload *upload = exchange->state;
+    struct proto_problem problem;
     if (!identify(exchange, upload) || answer_from_registry(exchange, upload)) return true;
-    if (upload->surface) return pass_on(exchange, confirm_mesh);
-    upload->surface = make_surface(exchange, upload);
-    if (!upload->surface || !complete(exchange, upload->surface)) return true;
-    return pass_on(exchange, store_mesh);
+    if (upload->surface) return server_request_write(exchange, confirm_surface);
+    upload->surface = server_making_build(exchange, upload->record, exchange->body.bytes, NULL, &problem);
+    if (upload->surface) return server_request_write(exchange, store_surface);
+    server_reply_problem(exchange, &problem);
+    return true;
 }
 
 static void handle_upload(struct server_exchange *exchange, const char *name)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     if (!server_reply_accepts_json(exchange)) return;
     struct upload *upload = calloc(1, sizeof *upload);
     if (!upload) {
@@ -175,19 +161,17 @@ static void handle_upload(struct server_exchange *exchange, const char *name)
     }
     strcpy(upload->name, name);
     server_exchange_keep(exchange, upload, free_upload);
-    if (proto_mesh_options_parse(&parameters, &upload->options, &problem))
-        server_exchange_defer(exchange, make_mesh, NULL);
-    else
-        server_reply_problem(exchange, &problem);
+    server_exchange_defer(exchange, make_surface, NULL);
 }
 
-void server_handle_create_mesh(struct server_exchange *exchange)
+void server_handle_create_surface(struct server_exchange *exchange)
 {
     handle_upload(exchange, "");
 }
 
-void server_handle_put_mesh(struct server_exchange *exchange)
+void server_handle_put_surface(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
-    if (server_request_name(exchange, name)) handle_upload(exchange, name);
+    struct server_key key;
+    if (server_request_key(exchange, name, &key)) handle_upload(exchange, name);
 }

@@ -148,7 +148,7 @@ class Service(TestCase):
     def test_description(self):
         service = self.daemon.get("/v1").json
         queries = {"distance", "path", "nearest", "matrix", "batch", "distance-to-set", "fields", "evaluate",
-                   "isolines", "voronoi", "farthest-points", "curve-distance"}
+                   "isolines", "voronoi", "farthest-points", "curve-distance", "cut", "trace", "exp", "log", "transport", "mean"}
         self.assertEqual(set(service["capabilities"]["queries"]), queries)
         self.assertGreater(service["limits"]["memory_budget_bytes"], 0)
 

@@ -21,6 +21,7 @@ int bench_pair(char **arguments);
 int bench_warm(char **arguments);
 int bench_locate(char **arguments);
 int bench_load(char **arguments);
+int bench_trace(char **arguments);
 int bench_peer(char **arguments);
 int bench_export(char **arguments);
 

@@ -12,6 +12,7 @@ static const struct {
     {"pair", "[OPTION...] MESH...", "distances of random pairs of points, each from nothing", bench_pair},
     {"warm", "[OPTION...] MESH...", "distances and paths from a field that is kept", bench_warm},
     {"locate", "[OPTION...] MESH...", "nearest points and first hits of rays", bench_locate},
+    {"trace", "[OPTION...] MESH...", "straightest geodesics, the log map of a point, means", bench_trace},
     {"load", "[OPTION...] MESH...", "from a file to a mesh: reading, parsing, building", bench_load},
     {"peer", "[--pair] MESH VERTEX...", "the engine by the protocol of races (tests/bench/peer.h)", bench_peer},
     {"export", "[OPTION...] MESH", "the mesh as every solver takes it, OBJ on standard output", bench_export},

@@ -4,6 +4,7 @@
 
 #include "proto/decode.h"
 #include "proto/field.h"
+#include "proto/page.h"
 
 static bool decode(const char *text, struct proto_field_request *out, struct proto_problem *problem)
 {
@@ -65,10 +66,10 @@ static void describes(void **state)
     proto_field_encode(&writer, mesh, &description,
                        PROTO_FIELD_FIELD_MAX | PROTO_FIELD_FIELD_FARTHEST | PROTO_FIELD_FIELD_MAX_DISTANCE);
     assert_written(&writer, "{\"max\":null,\"reason\":\"beyond_max_distance\",\"farthest\":null,\"max_distance\":0.5}");
-    proto_field_list_begin(&writer);
+    proto_page_begin(&writer, "fields");
     proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
     proto_field_encode(&writer, mesh, &description, PROTO_FIELD_FIELD_ID);
-    proto_field_list_end(&writer, "0123");
+    proto_page_end(&writer, "0123");
     assert_written(&writer, "{\"fields\":[{\"id\":\"0123\"},{\"id\":\"0123\"}],\"next\":\"0123\"}");
     gd_mesh_release(mesh);
 }

@@ -1,6 +1,7 @@
 #include "support.h"
 
 #include "proto/job.h"
+#include "proto/page.h"
 
 static const struct proto_job_header headers[] = {{"ETag", "\"a\""}, {"Location", "/v1/meshes/a"}};
 
@@ -88,10 +89,10 @@ static void lists(void **state)
     const struct proto_job job = job_of(PROTO_JOB_QUEUED, 0, NULL);
     struct proto_writer writer;
     proto_writer_init(&writer, 4096);
-    proto_job_list_begin(&writer);
+    proto_page_begin(&writer, "jobs");
     proto_job_encode(&writer, &job, PROTO_JOB_BRIEF);
     proto_job_encode(&writer, &job, PROTO_JOB_BRIEF);
-    proto_job_list_end(&writer, "x");
+    proto_page_end(&writer, "x");
     assert_written(&writer, "{\"jobs\":[" HEAD("queued", "0") "}," HEAD("queued", "0") "}],\"next\":\"x\"}");
 }
 

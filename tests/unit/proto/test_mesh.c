@@ -1,6 +1,7 @@
 #include "support.h"
 
 #include "proto/mesh.h"
+#include "proto/page.h"
 
 /* --- name --------------------------------------------------------------------------------------------------------- */
 
@@ -190,16 +191,16 @@ static void describes_meshes(void **state)
     assert_written(&writer, DESCRIPTION);
 
     writer = new_writer();
-    proto_mesh_list_begin(&writer);
+    proto_page_begin(&writer, "meshes");
     proto_mesh_encode(&writer, &description);
     proto_mesh_encode(&writer, &description);
-    proto_mesh_list_end(&writer, "corner");
+    proto_page_end(&writer, "corner");
     assert_written(&writer, "{\"meshes\":[" DESCRIPTION "," DESCRIPTION "],\"next\":\"corner\"}");
     gd_mesh_release(mesh);
 
     writer = new_writer();
-    proto_mesh_list_begin(&writer);
-    proto_mesh_list_end(&writer, NULL);
+    proto_page_begin(&writer, "meshes");
+    proto_page_end(&writer, NULL);
     assert_written(&writer, "{\"meshes\":[],\"next\":null}");
 }
 

@@ -215,6 +215,31 @@ static void hubs_are_walked_round_a_few_times(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Points as close to a vertex as to each other: the way through the vertex is not the shortest, however little is between. */
+static void points_close_to_a_vertex(void **state)
+{
+    (void)state;
+    struct rng rng = {1};
+    struct gd_polygons polygons;
+    check_ok(sample_grid(8, 8, 1, 1, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    for (int i = 0; i < 3000; i++) {
+        double size = pow(10, rng_between(&rng, -14, -8));
+        struct gd_vec3 xyz[2];
+        struct gd_point point[2];
+        struct gd_pair_answer answer;
+        for (int k = 0; k < 2; k++) {
+            xyz[k] = (struct gd_vec3){0.25 + size * (rng_unit(&rng) - 0.5), 0.5 + size * (rng_unit(&rng) - 0.5), 0};
+            check_ok(gd_locate_nearest(mesh, xyz[k], -1, &point[k], NULL, NULL), NULL);
+        }
+        check_ok(gd_pair_solve(mesh, &point[0], &point[1], true, NULL, NULL, &answer, NULL), NULL);
+        assert_true(fabs(answer.distance - gd_vec3_distance(xyz[0], xyz[1])) < 4e-15);
+        gd_pair_answer_free(&answer);
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +249,7 @@ int main(void)
         cmocka_unit_test(the_guide_asks_the_budget),
         cmocka_unit_test(a_failed_search_leaves_nothing),
         cmocka_unit_test(hubs_are_walked_round_a_few_times),
+        cmocka_unit_test(points_close_to_a_vertex),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

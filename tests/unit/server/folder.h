@@ -1,16 +1,14 @@
-/* A folder of a test's own, and records for it. */
+/* A folder of a test's own. */
 #ifndef TESTS_UNIT_SERVER_FOLDER_H
 #define TESTS_UNIT_SERVER_FOLDER_H
 
-#include "support.h"
+#include "records.h"
 
 #include <ftw.h>
 #include <stdio.h>
 #include <unistd.h>
 
-#include "gd/io.h"
 #include "server/disk.h"
-#include "server/record.h"
 
 #define FOLDER_PATH 256
 
@@ -30,17 +28,6 @@ static inline void folder_make(char folder[FOLDER_PATH])
 static inline void folder_remove(const char *folder)
 {
     nftw(folder, folder_remove_one, 16, FTW_DEPTH | FTW_PHYS);
-}
-
-static inline struct server_record *new_record(const char *name, const char *bytes)
-{
-    char sha256[SERVER_SHA256_HEX];
-    server_sha256(bytes, strlen(bytes), sha256);
-    struct server_record *record =
-        server_record_create(name, sha256, strlen(bytes), &(struct proto_mesh_options){.format = GD_FORMAT_OBJ});
-    record->description = strdup("{\"name\":\"it\"}");
-    record->memory = 1234;
-    return record;
 }
 
 #endif

@@ -26,27 +26,25 @@ static int tear_down(void **state)
 }
 
 /* Builds the surface of an OBJ file under a control without a budget; NULL: there is a problem. */
-static struct server_surface *build_under(struct gd_control control, const char *file, struct gd_mesh_options options)
+static struct server_surface *build_under(struct gd_control control, const char *file, const char *options)
 {
     const struct server_builder builder = {.budget = &budget, .cache = cache, .max_faces = 1000000, .control = control};
-    struct server_record *record = new_record("it", file);
+    struct server_record *record = new_record_of(mesh_key("it"), options, file, NULL);
     struct server_surface *surface = NULL;
-    record->options.build = options;
     enum gd_status status = server_build_surface(&builder, record, file, &surface, &problem);
     assert_int_equal(status == GD_OK, surface != NULL);
     server_record_release(record);
     return surface;
 }
 
-static struct server_surface *build(const char *file, struct gd_mesh_options options)
+static struct server_surface *build(const char *file, const char *options)
 {
     return build_under((struct gd_control){0}, file, options);
 }
 
-static const struct gd_mesh_options split = {.repair_split = true},
-                                    weld_and_split = {.repair_split = true, .weld = true};
+static const char split[] = MESH_OPTIONS "&repair=split", weld_and_split[] = MESH_OPTIONS "&repair=split&weld=0";
 
-static void assert_mended(const char *file, struct gd_mesh_options options, uint32_t faces, uint32_t components)
+static void assert_mended(const char *file, const char *options, uint32_t faces, uint32_t components)
 {
     struct server_surface *surface = build(file, options);
     if (!surface) fail_msg("%s", problem.detail);
@@ -143,7 +141,7 @@ static void progress_is_of_reading_and_building_together(void **state)
     char *soup = new_soup(9000);
     struct watch watch = {.end_at = 2};
     const struct gd_control control = {.progress = on_progress, .user = &watch};
-    struct server_surface *surface = build_under(control, soup, (struct gd_mesh_options){0});
+    struct server_surface *surface = build_under(control, soup, MESH_OPTIONS);
     assert_non_null(surface);
     assert_true(watch.last == 1);
     server_surface_release(surface);
@@ -157,13 +155,13 @@ static void either_can_be_ended(void **state)
     for (int i = 0; i < 2; i++) {
         struct watch watch = {.end_at = i ? 0.5 : 0.1};
         const struct gd_control control = {.progress = on_progress, .user = &watch};
-        assert_null(build_under(control, soup, (struct gd_mesh_options){0}));
+        assert_null(build_under(control, soup, MESH_OPTIONS));
         assert_int_equal(problem.code, PROTO_PROBLEM_DRAINING);
         assert_true(watch.last < (i ? 0.7 : 0.2));
     }
     struct watch watch = {.end_at = 2};
     const struct gd_control late = {.progress = on_progress, .user = &watch, .deadline_ns = 1};
-    assert_null(build_under(late, soup, (struct gd_mesh_options){0}));
+    assert_null(build_under(late, soup, MESH_OPTIONS));
     assert_int_equal(problem.code, PROTO_PROBLEM_DEADLINE_EXCEEDED);
     assert_true(watch.last == 0);
     free(soup);

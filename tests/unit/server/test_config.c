@@ -119,6 +119,10 @@ static void refuses_what_makes_no_sense(void **state)
     assert_wrong(LOAD("--listen", "unix:"), "unix socket");
     assert_wrong(LOAD("--max-body", "2GiB", "--memory-budget", "1GiB"), "--memory-budget");
     assert_wrong(LOAD("--allowed-host", "http://meshes.example"), "host name");
+    assert_wrong(LOAD("--tls-cert", "cert.pem"), "belong together");
+    assert_wrong(LOAD("--tls-key", "key.pem"), "belong together");
+    assert_wrong(LOAD("--keys", ""), "a path has");
+    assert_wrong(LOAD("--max-connections", "0"), "outside");
 }
 
 static void listens_on_loopback_only(void **state)
@@ -129,6 +133,33 @@ static void listens_on_loopback_only(void **state)
     static const char *const open[] = {"0.0.0.0:80", "[::]:80", "192.0.2.1:80", "[2001:db8::1]:80"};
     for (size_t i = 0; i < COUNT(local); i++) assert_int_equal(LOAD("--listen", local[i]), SERVER_CONFIG_RUN);
     for (size_t i = 0; i < COUNT(open); i++) assert_wrong(LOAD("--listen", open[i]), "refusing to listen");
+}
+
+static void listens_anywhere_with_keys(void **state)
+{
+    (void)state;
+    assert_int_equal(LOAD("--keys", "keys.txt", "--listen", "0.0.0.0:80"), SERVER_CONFIG_RUN);
+    assert_string_equal(config.keys, "keys.txt");
+    assert_wrong(LOAD("--tls-cert", "c.pem", "--tls-key", "k.pem", "--listen", "0.0.0.0:80"), "refusing to listen");
+}
+
+static void origins_have_a_scheme_and_a_host_and_nothing_else(void **state)
+{
+    (void)state;
+    static const char *const wrong[] = {"*",
+                                        "null",
+                                        "maps.example",
+                                        "ftp://maps.example",
+                                        "https://",
+                                        "https://*.example",
+                                        "https://maps.example/",
+                                        "https://user@maps.example"};
+    for (size_t i = 0; i < COUNT(wrong); i++) assert_wrong(LOAD("--cors-origin", wrong[i]), "is no origin");
+    assert_int_equal(
+        LOAD("--cors-origin", "https://a.example,http://localhost:3000", "--cors-origin", "http://[::1]:80"),
+        SERVER_CONFIG_RUN);
+    assert_int_equal(config.cors_origins.count, 3);
+    assert_string_equal(config.cors_origins.name[1], "http://localhost:3000");
 }
 
 static void prints_help_and_version(void **state)
@@ -188,6 +219,8 @@ int main(void)
         cmocka_unit_test(names_the_nearest_flag),
         cmocka_unit_test(refuses_what_makes_no_sense),
         cmocka_unit_test(listens_on_loopback_only),
+        cmocka_unit_test(listens_anywhere_with_keys),
+        cmocka_unit_test(origins_have_a_scheme_and_a_host_and_nothing_else),
         cmocka_unit_test(prints_help_and_version),
         cmocka_unit_test(flags_win_over_environment_over_file),
         cmocka_unit_test(a_file_is_complained_of_by_line),

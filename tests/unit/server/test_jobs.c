@@ -163,11 +163,14 @@ static void look_at_the_request(struct server_exchange *exchange)
 
 /* --- requests ----------------------------------------------------------------------------------------------------- */
 
+static const char *tenant = ""; /* who asks */
+
 static struct server_exchange *request(const struct proto_route *route)
 {
     struct server_exchange *exchange = server_exchange_create(&server, NULL, "/v1/meshes/cow/x?a=b%20c");
     exchange->method = "POST";
     exchange->match = (struct proto_route_match){route, 1, {{exchange->path + 11, 3}}};
+    exchange->tenant = tenant;
     return exchange;
 }
 
@@ -206,7 +209,7 @@ static void wait_for(struct server_async *job, enum proto_job_state state)
 
 static bool is_there(const char *id)
 {
-    struct server_async *job = server_jobs_find(server.jobs, id, strlen(id));
+    struct server_async *job = server_jobs_find(server.jobs, tenant, id, strlen(id));
     server_async_release(job);
     return job != NULL;
 }
@@ -359,7 +362,7 @@ static void an_expired_job_is_not_found(void **state)
     (void)state;
     struct server_async *job = start(answer), *listed[4];
     assert_false(is_there(server_async_look(job).id));
-    assert_int_equal(server_jobs_list(server.jobs, NULL, 4, listed), 0);
+    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
     server_async_release(job);
 }
 
@@ -417,16 +420,32 @@ static void are_listed_by_age(void **state)
     for (int i = 0; i < 4; i++) jobs[i] = start(answer);
     for (int i = 0; i < 3; i++)
         assert_true(strcmp(server_async_look(jobs[i]).id, server_async_look(jobs[i + 1]).id) < 0);
-    assert_int_equal(server_jobs_list(server.jobs, NULL, 3, listed), 3);
+    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
     for (int i = 0; i < 3; i++) server_async_release(listed[i]);
     server_jobs_cancel(server.jobs, jobs[1]); /* a page may begin behind one that is gone */
-    assert_int_equal(server_jobs_list(server.jobs, server_async_look(jobs[1]).id, 4, listed), 2);
+    assert_int_equal(server_jobs_list(server.jobs, "", server_async_look(jobs[1]).id, 4, listed), 2);
     assert_ptr_equal(listed[0], jobs[2]);
     assert_ptr_equal(listed[1], jobs[3]);
     for (int i = 0; i < 2; i++) server_async_release(listed[i]);
-    assert_int_equal(server_jobs_list(server.jobs, "zzz", 4, listed), 0);
+    assert_int_equal(server_jobs_list(server.jobs, "", "zzz", 4, listed), 0);
     for (int i = 0; i < 4; i++) server_async_release(jobs[i]);
+}
+
+static void are_known_to_their_tenant_only(void **state)
+{
+    (void)state;
+    struct server_async *listed[4];
+    tenant = "a";
+    struct server_async *job = start(answer);
+    assert_true(is_there(server_async_look(job).id));
+    tenant = "";
+    assert_false(is_there(server_async_look(job).id));
+    assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
+    assert_int_equal(server_jobs_list(server.jobs, "b", NULL, 4, listed), 0);
+    assert_int_equal(server_jobs_list(server.jobs, "a", NULL, 4, listed), 1);
+    server_async_release(listed[0]);
+    server_async_release(job);
 }
 
 static void odd_ids_are_not_found(void **state)
@@ -475,6 +494,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_full_table_refuses, set_up_small, tear_down),
         TEST(answers_have_a_share_of_the_budget),
         TEST(are_listed_by_age),
+        TEST(are_known_to_their_tenant_only),
         TEST(odd_ids_are_not_found),
         TEST(a_drain_refuses_what_waits),
     };

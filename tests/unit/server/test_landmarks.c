@@ -23,6 +23,13 @@ static struct gd_mesh *sphere(uint32_t level)
     return mesh;
 }
 
+static enum server_store_outcome remove_sphere(uint32_t level)
+{
+    char name[2] = {(char)('0' + level), '\0'};
+    const struct server_key key = mesh_key(name);
+    return server_registry_remove(server.registry, &key, &(struct server_precondition){0});
+}
+
 /* A surface that the registry has, under its level as a name. */
 static struct server_surface *put_sphere(uint32_t level)
 {
@@ -220,7 +227,7 @@ static void what_is_retired_meanwhile_gets_none(void **state)
     sem_t hold;
     hold_worker(&job, &hold);
     assert_false(has_landmarks(surface));
-    assert_int_equal(server_registry_remove(server.registry, "4", &(struct server_precondition){0}), SERVER_STORE_DONE);
+    assert_int_equal(remove_sphere(4), SERVER_STORE_DONE);
     assert_int_equal(surface->references, 1); /* at once: nothing that waits holds it */
     sem_post(&hold);
     sem_wait(&job.done);
@@ -261,7 +268,7 @@ static void a_build_that_would_take_too_much_is_not_begun(void **state)
 static void reload(void)
 {
     server_surface_release(surface);
-    assert_int_equal(server_registry_remove(server.registry, "4", &(struct server_precondition){0}), SERVER_STORE_DONE);
+    assert_int_equal(remove_sphere(4), SERVER_STORE_DONE);
     surface = put_sphere(4);
 }
 

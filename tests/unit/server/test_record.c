@@ -1,6 +1,7 @@
-#include "folder.h"
+#include "records.h"
 
 #include <malloc.h>
+#include <stdio.h>
 
 static bool has_no_memory; /* for strndup, which this takes the place of */
 
@@ -15,58 +16,60 @@ char *strndup(const char *text, size_t size)
 static void comes_back_as_it_was(void **state)
 {
     (void)state;
-    struct server_record *record = new_record("bunny.1", "v 0 0 0\n"), *again;
+    const struct server_key key = {.tenant = "acme", .kind = &server_kind_mesh, .name = "bunny.1"};
+    struct server_record *record = new_record_of(key, "format=obj&triangulate=false", "v 0 0 0\n", "uv"), *again;
     size_t size;
-    record->options.build.refuse_polygons = true;
     char *text = server_record_write(record, &size);
     assert_int_equal(strlen(text), size);
     assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
+    assert_string_equal(again->tenant, "acme");
+    assert_ptr_equal(again->kind, &server_kind_mesh);
     assert_string_equal(again->name, "bunny.1");
+    assert_string_equal(again->key, "acme@bunny.1");
+    assert_string_equal(again->etag, record->etag);
+    assert_string_equal(again->attachment_sha256, record->attachment_sha256);
+    assert_int_equal(again->attachment_size, 2);
     assert_string_equal(again->sha256, record->sha256);
     assert_int_equal(again->size, 8);
     assert_int_equal(again->memory, 1234);
     assert_int_equal(again->created, record->created);
-    assert_int_equal(again->options.format, GD_FORMAT_OBJ);
-    assert_true(again->options.build.refuse_polygons);
+    assert_string_equal(again->options, "format=obj&triangulate=false");
     assert_string_equal(again->description, record->description);
     server_record_release(again);
     server_record_release(record);
     free(text);
 }
 
-static void assert_same_options(const struct proto_mesh_options *a, const struct proto_mesh_options *b)
-{
-    assert_int_equal(a->format, b->format);
-    assert_int_equal(a->build.refuse_polygons, b->build.refuse_polygons);
-    assert_int_equal(a->build.repair_split, b->build.repair_split);
-    assert_int_equal(a->build.weld, b->build.weld);
-    assert_true(a->build.weld_tolerance == b->build.weld_tolerance);
-}
-
+/* Reads a query string as an upload's, and back from the record that it leads to. */
 static void options_come_back_as_they_were(void **state)
 {
     (void)state;
-    static const struct proto_mesh_options options[] = {
-        {.format = GD_FORMAT_PLY},
-        {.format = GD_FORMAT_STL, .build = {.repair_split = true}},
-        {.format = GD_FORMAT_OFF, .build = {.weld = true, .weld_tolerance = 0}},
-        {.format = GD_FORMAT_JSON, .build = {.refuse_polygons = true, .weld = true, .weld_tolerance = 0.1 / 3}},
-        {.format = GD_FORMAT_OBJ, .build = {.repair_split = true, .weld = true, .weld_tolerance = 1e-300}},
+    static const struct {
+        const char *asked, *kept;
+    } options[] = {
+        {"format=ply", "format=ply&triangulate=true"},
+        {"repair=split&format=stl", "format=stl&triangulate=true&repair=split"},
+        {"weld=0&repair=none&format=off", "format=off&triangulate=true&weld=0"},
+        {"triangulate=false&format=json&weld=0.1", "format=json&triangulate=false&weld=0.10000000000000001"},
+        {"weld=1e-300&repair=split&format=obj", "format=obj&triangulate=true&repair=split&weld=1e-300"},
     };
-    char tags[COUNT(options)][SERVER_ETAG];
     for (size_t i = 0; i < COUNT(options); i++) {
-        struct server_record *record = new_record("a", "1"), *again, *made;
+        char kept[SERVER_OPTIONS];
+        struct server_options asked;
+        struct server_record *again;
+        struct proto_problem problem;
         size_t size;
-        made = server_record_create("a", record->sha256, 1, &options[i]);
-        char *text = server_record_write(made, &size);
+        assert_true(server_options_split(options[i].asked, &asked));
+        const struct proto_parameters parameters = server_options_parameters(&asked);
+        assert_true(server_kind_mesh.read_options(&parameters, NULL, kept, &problem));
+        assert_string_equal(kept, options[i].kept);
+        struct server_record *record = new_record_of(mesh_key("a"), kept, "1", NULL);
+        char *text = server_record_write(record, &size);
         assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
-        assert_same_options(&again->options, &options[i]);
-        assert_string_equal(again->etag, made->etag);
-        strcpy(tags[i], made->etag);
-        for (size_t j = 0; j < i; j++) assert_string_not_equal(tags[i], tags[j]);
-        server_record_release(record);
-        server_record_release(made);
+        assert_string_equal(again->options, kept);
+        assert_string_equal(again->etag, record->etag);
         server_record_release(again);
+        server_record_release(record);
         free(text);
     }
 }
@@ -75,19 +78,27 @@ static void tags_differ_by_bytes_and_options(void **state)
 {
     (void)state;
     struct server_record *a = new_record("a", "1"), *b = new_record("b", "1"), *c = new_record("a", "2");
-    struct proto_mesh_options options = {.format = GD_FORMAT_OBJ, .build = {.refuse_polygons = true}};
-    struct server_record *d = server_record_create("a", a->sha256, 1, &options);
+    const struct server_key acme = {.tenant = "acme", .kind = &server_kind_mesh, .name = "a"};
+    struct server_record *d = new_record_of(mesh_key("a"), "format=obj&triangulate=false", "1", NULL);
+    struct server_record *e = new_record_of(mesh_key("a"), MESH_OPTIONS, "1", "attachment");
+    struct server_record *f = new_record_of(acme, MESH_OPTIONS, "1", NULL);
     assert_string_equal(a->etag, b->etag);
     assert_string_not_equal(a->etag, c->etag);
     assert_string_not_equal(a->etag, d->etag);
     assert_false(server_record_equal(a, b)); /* another name */
     assert_false(server_record_equal(a, c));
     assert_false(server_record_equal(a, d));
+    assert_false(server_record_equal(a, e));
+    assert_false(server_record_equal(a, f));
+    assert_string_not_equal(a->etag, e->etag);
+    assert_string_not_equal(a->etag, f->etag); /* so what is kept by tag is each tenant's own */
     assert_true(server_record_equal(a, a));
     server_record_release(a);
     server_record_release(b);
     server_record_release(c);
     server_record_release(d);
+    server_record_release(e);
+    server_record_release(f);
 }
 
 static void every_change_of_a_byte_is_seen(void **state)
@@ -121,29 +132,58 @@ static enum server_record_reading read_signed(const char *body)
     return reading;
 }
 
-#define SHA  "b391f08159e507ad3a0fa80558bdb046e150e38868378c9972072d54ad65f858"
-#define HEAD "geodesicd record 1\nname a\nsha256 " SHA "\n"
-#define TAIL "created 1\nmemory 2\noptions format=obj&triangulate=true\ndescription {}\n"
+#define SHA   "b391f08159e507ad3a0fa80558bdb046e150e38868378c9972072d54ad65f858"
+#define TITLE "geodesicd record 2\n"
+#define OWNER TITLE "kind mesh\ntenant \n"
+#define HEAD  OWNER "name a\nsha256 " SHA "\n"
+#define TIMES "created 1\nmemory 2\n"
+#define TAIL  "attachment \n" TIMES "options format=obj&triangulate=true\ndescription {}\n"
 
 static void only_whole_records_are_read(void **state)
 {
     (void)state;
     static const char *const wrong[] = {
-        "geodesicd record 1\n",
-        "geodesicd record 1\nname ../a\nsha256 " SHA "\nsize 1\n" TAIL,
-        "geodesicd record 1\nname a\nsha256 b391\nsize 1\n" TAIL,
-        "geodesicd record 1\nname a\nsha256 " SHA "f\nsize 1\n" TAIL,
+        TITLE,
+        TITLE "kind mesh\nname a\nsha256 " SHA "\nsize 1\n" TAIL,
+        TITLE "kind mesh\ntenant ../a\nname a\nsha256 " SHA "\nsize 1\n" TAIL,
+        OWNER "name ../a\nsha256 " SHA "\nsize 1\n" TAIL,
+        OWNER "name a\nsha256 b391\nsize 1\n" TAIL,
+        OWNER "name a\nsha256 " SHA "f\nsize 1\n" TAIL,
         HEAD "size -1\n" TAIL,
         HEAD "size 1 \n" TAIL,
         HEAD "size\n" TAIL,
-        HEAD "size 1\ncreated 1\nmemory 2\noptions format=png&triangulate=true\ndescription {}\n",
-        HEAD "size 1\ncreated 1\nmemory 2\noptions format\ndescription {}\n",
-        HEAD "size 1\ncreated 1\nmemory 2\noptions a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b\ndescription {}\n",
-        HEAD "size 1\ncreated 1\nmemory 2\noptions format=obj&triangulate=true\n",
+        HEAD "size 1\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment " SHA "\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment b391 1\n" TIMES "options format=obj&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES "options format=png&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES "options format=any&triangulate=true\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES "options triangulate=true&format=obj\ndescription {}\n", /* not as written */
+        HEAD "size 1\nattachment \n" TIMES "options format\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES "options a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b&a=b\ndescription {}\n",
+        HEAD "size 1\nattachment \n" TIMES "options format=obj&triangulate=true\n",
     };
     assert_int_equal(read_signed(HEAD "size 1\n" TAIL), SERVER_RECORD_READ);
     for (size_t i = 0; i < COUNT(wrong); i++) assert_int_equal(read_signed(wrong[i]), SERVER_RECORD_DAMAGED);
-    assert_int_equal(read_signed("geodesicd record 2\nname a\nwhatever\n"), SERVER_RECORD_NEWER);
+    assert_int_equal(read_signed("geodesicd record 3\nname a\nwhatever\n"), SERVER_RECORD_NEWER);
+    assert_int_equal(read_signed(TITLE "kind dodecahedron\ntenant \nwhatever\n"), SERVER_RECORD_NEWER);
+}
+
+/* As it was before there were kinds. */
+static void version_1_is_a_mesh_of_nobody(void **state)
+{
+    (void)state;
+    static const char body[] = "geodesicd record 1\nname a\nsha256 " SHA
+                               "\nsize 7\ncreated 1\nmemory 2\noptions format=obj&triangulate=true\ndescription {}\n";
+    char text[1024], checksum[SERVER_SHA256_HEX];
+    struct server_record *record;
+    server_sha256(body, strlen(body), checksum);
+    int size = snprintf(text, sizeof text, "%schecksum %s\n", body, checksum);
+    assert_int_equal(server_record_read_named("a", text, (size_t)size, &record), SERVER_RECORD_READ);
+    assert_ptr_equal(record->kind, &server_kind_mesh);
+    assert_string_equal(record->tenant, "");
+    assert_string_equal(record->attachment_sha256, "");
+    assert_int_equal(record->size, 7);
+    server_record_release(record);
 }
 
 static void nothing_is_left_without_memory(void **state)
@@ -171,6 +211,7 @@ int main(void)
         cmocka_unit_test(tags_differ_by_bytes_and_options),
         cmocka_unit_test(every_change_of_a_byte_is_seen),
         cmocka_unit_test(only_whole_records_are_read),
+        cmocka_unit_test(version_1_is_a_mesh_of_nobody),
         cmocka_unit_test(nothing_is_left_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

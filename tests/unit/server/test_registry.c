@@ -1,4 +1,4 @@
-#include "support.h"
+#include "records.h"
 
 #include <stdio.h>
 
@@ -38,23 +38,44 @@ static int tear_down(void **state)
 static struct server_surface *new_surface(struct fixture *fixture, const char *name, const char *bytes)
 {
     struct gd_mesh *mesh = new_mesh();
-    char sha256[SERVER_SHA256_HEX];
-    server_sha256(bytes, strlen(bytes), sha256);
-    struct server_record *record =
-        server_record_create(name, sha256, strlen(bytes), &(struct proto_mesh_options){.format = GD_FORMAT_OBJ});
+    struct server_record *record = new_record(name, bytes);
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
     struct server_surface *surface =
         server_surface_create(record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
-    record->description = strdup("{}");
     server_record_release(record);
     return surface;
+}
+
+static bool find(struct fixture *fixture, const char *name, struct server_listed *out)
+{
+    const struct server_key key = mesh_key(name);
+    return server_registry_find(fixture->registry, &key, out);
+}
+
+static enum server_store_outcome drop_if(struct fixture *fixture, const char *name,
+                                         const struct server_precondition *precondition)
+{
+    const struct server_key key = mesh_key(name);
+    return server_registry_remove(fixture->registry, &key, precondition);
+}
+
+static enum server_store_outcome drop(struct fixture *fixture, const char *name)
+{
+    return drop_if(fixture, name, &none);
+}
+
+/* Meshes whose names follow `after`. */
+static uint32_t list(struct fixture *fixture, const char *after, uint32_t most, struct server_listed *out)
+{
+    const struct server_key key = mesh_key(after);
+    return server_registry_list(fixture->registry, &key, most, out);
 }
 
 /* The surface of that name, which is in memory, retained; or NULL. */
 static struct server_surface *get(struct fixture *fixture, const char *name)
 {
     struct server_listed listed;
-    if (!server_registry_find(fixture->registry, name, &listed)) return NULL;
+    if (!find(fixture, name, &listed)) return NULL;
     server_record_release(listed.record);
     return listed.surface;
 }
@@ -91,8 +112,8 @@ static void keeps_by_name(void **state)
     assert_string_not_equal(a->record->etag, b->record->etag);
     server_surface_release(a);
     server_surface_release(b);
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_ABSENT);
+    assert_int_equal(drop(fixture, "a"), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "a"), SERVER_STORE_ABSENT);
     assert_null(get(fixture, "a"));
 }
 
@@ -102,7 +123,7 @@ static void what_is_held_outlives_its_name(void **state)
     put(fixture, "a", "1");
     struct server_surface *held = get(fixture, "a");
     put(fixture, "a", "2");
-    server_registry_remove(fixture->registry, "a", &none);
+    drop(fixture, "a");
     assert_int_equal(gd_mesh_summary(held->mesh)->faces, 320);
     assert_int_equal(fixture->budget.used[SERVER_BUDGET_MESHES], held->bytes);
     server_surface_release(held);
@@ -116,19 +137,19 @@ static void lists_in_order(void **state)
     static const char *const sorted[] = {"-", "B", "b", "bb", "m", "z"};
     struct server_listed listed[10];
     for (size_t i = 0; i < COUNT(names); i++) put(fixture, names[i], "1");
-    assert_int_equal(server_registry_list(fixture->registry, NULL, 10, listed), 6);
+    assert_int_equal(list(fixture, NULL, 10, listed), 6);
     for (size_t i = 0; i < 6; i++) {
         assert_string_equal(listed[i].record->name, sorted[i]);
         server_listed_release(&listed[i]);
     }
-    assert_int_equal(server_registry_list(fixture->registry, "b", 2, listed), 2);
+    assert_int_equal(list(fixture, "b", 2, listed), 2);
     assert_string_equal(listed[0].record->name, "bb");
     server_listed_release(&listed[0]);
     server_listed_release(&listed[1]);
-    assert_int_equal(server_registry_list(fixture->registry, "c", 1, listed), 1); /* a name that is not there */
+    assert_int_equal(list(fixture, "c", 1, listed), 1); /* a name that is not there */
     assert_string_equal(listed[0].record->name, "m");
     server_listed_release(&listed[0]);
-    assert_int_equal(server_registry_list(fixture->registry, "z", 10, listed), 0);
+    assert_int_equal(list(fixture, "z", 10, listed), 0);
 }
 
 static void preconditions_decide(void **state)
@@ -145,10 +166,9 @@ static void preconditions_decide(void **state)
     snprintf(right, sizeof right, "\"%s\"", a->record->etag);
     server_surface_release(a);
     const struct server_precondition wrong_tag = {.if_match = {"\"x\""}}, right_tag = {.if_match = {right}};
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
+    assert_int_equal(drop_if(fixture, "a", &wrong_tag), SERVER_STORE_PRECONDITION);
     assert_int_equal(put_if(fixture, "a", "2", right_tag), SERVER_STORE_REPLACED);
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &right_tag),
-                     SERVER_STORE_PRECONDITION); /* it is another one now */
+    assert_int_equal(drop_if(fixture, "a", &right_tag), SERVER_STORE_PRECONDITION); /* it is another one now */
     assert_int_equal(count(fixture), 1);
 }
 
@@ -193,10 +213,10 @@ static void tells_what_is_gone_with_its_last_name(void **state)
     assert_string_equal(names, "");
     put(fixture, "b", "2");
     assert_string_equal(names, "b");
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
-    assert_int_equal(server_registry_remove(fixture->registry, "b", &none), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "a"), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "b"), SERVER_STORE_DONE);
     assert_string_equal(names, "b");
-    assert_int_equal(server_registry_remove(fixture->registry, "c", &none), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "c"), SERVER_STORE_DONE);
     assert_string_equal(names, "bc");
 }
 
@@ -205,9 +225,9 @@ static void tells_what_is_gone_with_its_last_name(void **state)
 static enum server_store_outcome answer; /* of the next writes */
 
 static enum server_store_outcome answer_put(struct server_store *store, const struct server_record *record,
-                                            const void *bytes)
+                                            const struct server_content *content)
 {
-    (void)store, (void)record, (void)bytes;
+    (void)store, (void)record, (void)content;
     return answer;
 }
 
@@ -217,9 +237,10 @@ static enum server_store_outcome answer_remove(struct server_store *store, const
     return answer;
 }
 
-static enum server_store_outcome give_back(struct server_store *store, const struct server_record *record, void **bytes)
+static enum server_store_outcome give_back(struct server_store *store, const struct server_record *record,
+                                           enum server_part part, void **bytes)
 {
-    (void)store, (void)record, (void)bytes;
+    (void)store, (void)record, (void)part, (void)bytes;
     return SERVER_STORE_ABSENT; /* nobody asks: that it could is enough */
 }
 
@@ -255,7 +276,7 @@ static void what_the_store_refuses_changes_nothing(void **state)
         answer = refusals[i];
         assert_int_equal(put(fixture, "a", "2"), refusals[i]);
         assert_int_equal(put(fixture, "b", "2"), refusals[i]);
-        assert_int_equal(server_registry_remove(fixture->registry, "a", &none), refusals[i]);
+        assert_int_equal(drop(fixture, "a"), refusals[i]);
     }
     struct server_surface *after = get(fixture, "a");
     assert_ptr_equal(before, after);
@@ -271,7 +292,8 @@ static void unused_ones_make_room_the_coldest_first(void **state)
     put(fixture, "a", "1");
     put(fixture, "b", "1");
     put(fixture, "c", "1");
-    assert_true(server_registry_use(fixture->registry, "a", &used));
+    const struct server_key key = mesh_key("a");
+    assert_true(server_registry_use(fixture->registry, &key, &used));
     server_listed_release(&used);
     struct server_surface *held = get(fixture, "b");
     size_t bytes = held->bytes;
@@ -297,7 +319,7 @@ static void the_same_record_again_is_kept_in_memory(void **state)
     put(fixture, "a", "1");
     fixture->budget.limit = fixture->budget.total;
     assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_mesh_memsize(mesh)));
-    assert_true(server_registry_find(fixture->registry, "a", &listed));
+    assert_true(find(fixture, "a", &listed));
     assert_null(listed.surface);
     struct server_surface *again =
         server_surface_create(listed.record, mesh, gd_mesh_memsize(mesh), &fixture->budget, fixture->cache);
@@ -318,7 +340,7 @@ static void look_while_tidying(struct server_store *store)
     (void)store;
     seen[0] = '\0';
     tidy_count++;
-    if (!server_registry_find(tidied->registry, "a", &listed)) return;
+    if (!find(tidied, "a", &listed)) return;
     strcpy(seen, listed.record->etag);
     server_listed_release(&listed);
 }
@@ -338,10 +360,10 @@ static void the_store_tidies_once_all_is_known(void **state)
     put(fixture, "a", "2");
     assert_true(before[0] && seen[0]);
     assert_string_not_equal(seen, before);
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_DONE);
+    assert_int_equal(drop(fixture, "a"), SERVER_STORE_DONE);
     assert_string_equal(seen, "");
     assert_int_equal(tidy_count, 3);
-    assert_int_equal(server_registry_remove(fixture->registry, "a", &none), SERVER_STORE_ABSENT);
+    assert_int_equal(drop(fixture, "a"), SERVER_STORE_ABSENT);
     assert_int_equal(tidy_count, 3);
 }
 
@@ -350,13 +372,13 @@ static void what_is_stored_is_confirmed(void **state)
     struct fixture *fixture = *state;
     struct server_listed before;
     put(fixture, "a", "1");
-    assert_true(server_registry_find(fixture->registry, "a", &before));
-    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_REPLACED);
+    assert_true(find(fixture, "a", &before));
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_REPLACED);
     answer = SERVER_STORE_FULL;
-    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_FULL);
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_FULL);
     answer = SERVER_STORE_DONE;
     put(fixture, "a", "2");
-    assert_int_equal(server_registry_confirm(fixture->registry, before.record, "1"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_registry_confirm(fixture->registry, before.surface, "1"), SERVER_STORE_ABSENT);
     server_listed_release(&before);
 }
 
@@ -396,11 +418,11 @@ static void *put_and_remove(void *user)
         char name[2] = {(char)('a' + step % 3), '\0'};
         struct server_listed listed[3];
         struct server_surface *got = get(fixture, name);
-        uint32_t found = server_registry_list(fixture->registry, NULL, 3, listed);
+        uint32_t found = list(fixture, NULL, 3, listed);
         if (step % 2)
             put(fixture, name, "1");
         else
-            server_registry_remove(fixture->registry, name, &none);
+            drop(fixture, name);
         for (uint32_t i = 0; i < found; i++) server_listed_release(&listed[i]);
         server_surface_release(got);
     }

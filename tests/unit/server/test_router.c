@@ -1,137 +1,38 @@
 /* The way of an exchange through router, handlers and workers, without a network. */
-#include "support.h"
-
-#include <stdio.h>
-#include <unistd.h>
-
-#include "server/events.h"
-#include "server/jobs.h"
-#include "server/registry.h"
-#include "server/reply.h"
-#include "server/router.h"
-#include "server/server.h"
-#include "server/timekeeper.h"
-
-static struct server server;
-static sem_t finished;
-static bool had_state; /* an exchange was finished with its handler's state: others may wait for what that holds */
-
-static void finish(struct server_exchange *exchange)
-{
-    had_state |= exchange->state != NULL;
-    server_reply_seal(exchange);
-    sem_post(&finished);
-}
-
-static bool is_gone(struct server_exchange *exchange)
-{
-    (void)exchange;
-    return false;
-}
-
-static const struct server_transport transport = {.finish = finish, .is_gone = is_gone};
+#include "daemon.h"
 
 static int set_up(void **state)
 {
     (void)state;
-    memset(&server, 0, sizeof server);
-    server.config = (struct server_config){.timeout_ms = 10000,
-                                           .max_body = 1 << 20,
-                                           .max_faces = 1000,
-                                           .queue_length = 10,
-                                           .job_ttl_s = 60,
-                                           .max_jobs = 10};
-    server.guard.config = &server.config;
-    server_budget_init(&server.budget, 64 << 20);
-    server.workspaces = server_workspaces_create(&server.budget, 1);
-    server.workers = server_workers_create(1, 10);
-    server.cache = server_cache_create(&server.budget, server.workers);
-    server.loads = server_loads_create(server.workers);
-    server.registry = server_registry_create(server_store_memory_create(), &server.budget);
-    server.metrics = server_metrics_create(proto_routes, proto_route_count);
-    server.events = server_events_create();
-    server.jobs = server_jobs_create(&server);
-    server.timekeeper = server_timekeeper_create(&server);
-    sem_init(&finished, 0, 0);
+    daemon_start(server_store_memory_create());
     return 0;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    server_workers_cancel(server.workers);
-    while (atomic_load(&server.deferred)) usleep(1000);
-    server_timekeeper_destroy(server.timekeeper);
-    server_jobs_destroy(server.jobs);
-    server_events_destroy(server.events);
-    server_registry_destroy(server.registry);
-    server_loads_destroy(server.loads);
-    server_cache_destroy(server.cache);
-    server_workers_destroy(server.workers);
-    server_workspaces_destroy(server.workspaces);
-    server_metrics_destroy(server.metrics);
-    assert_int_equal(server.budget.total, 0);
-    assert_false(had_state);
+    daemon_stop();
     return 0;
-}
-
-/* Headers are "Name: value" lines. */
-static struct server_exchange *begin(const char *method, const char *target, char *headers)
-{
-    struct server_exchange *exchange = server_exchange_create(&server, &transport, target);
-    char *rest = headers;
-    exchange->method = method;
-    server_exchange_add_header(exchange, "Host", "localhost");
-    for (char *line; (line = strsep(&rest, "\n"));) {
-        char *colon = strchr(line, ':');
-        if (!colon) continue;
-        *colon = '\0';
-        server_exchange_add_header(exchange, line, colon + 2);
-    }
-    server_router_begin(exchange);
-    return exchange;
 }
 
 static struct server_exchange *exchange_of(const char *method, const char *target, const char *headers,
                                            const char *body)
 {
-    char lines[256];
-    snprintf(lines, sizeof lines, "%s", headers);
-    struct server_exchange *exchange = begin(method, target, lines); /* done with when this returns */
-    if (exchange->response.status == 0 && body) server_body_append(&exchange->body, &server.budget, body, strlen(body));
-    server_router_end(exchange);
-    if (exchange->response.status) {
-        server_reply_seal(exchange);
-    } else {
-        server_exchange_submit(exchange);
-        sem_wait(&finished);
-    }
-    return exchange;
+    return daemon_ask((struct daemon_request){.method = method, .target = target, .headers = headers, .body = body});
 }
 
 static unsigned status_of(const char *method, const char *target, const char *headers, const char *body)
 {
-    struct server_exchange *exchange = exchange_of(method, target, headers, body);
-    unsigned status = exchange->response.status;
-    server_exchange_destroy(exchange);
-    return status;
-}
-
-static const char *response_header(const struct server_exchange *exchange, const char *name)
-{
-    for (uint32_t i = 0; i < exchange->response.header_count; i++)
-        if (strcmp(exchange->response.headers[i].name, name) == 0) return exchange->response.headers[i].value;
-    return NULL;
+    return daemon_status((struct daemon_request){.method = method, .target = target, .headers = headers, .body = body});
 }
 
 static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
-#define PUT_SQUARE() status_of("PUT", "/v1/meshes/square", "Content-Length: 48", square)
+#define PUT_SQUARE() status_of("PUT", "/v1/meshes/square", "", square)
 
 static void an_upload_and_a_question(void **state)
 {
     (void)state;
-    assert_int_equal(strlen(square), 48);
     assert_int_equal(PUT_SQUARE(), 201);
     assert_int_equal(PUT_SQUARE(), 200);
     struct server_exchange *exchange =
@@ -153,14 +54,14 @@ static void an_upload_and_a_question(void **state)
 static void what_takes_it_becomes_a_job(void **state)
 {
     (void)state;
-    static const char prefer[] = "Prefer: respond-async\nContent-Length: 48";
+    static const char prefer[] = "Prefer: respond-async";
     assert_int_equal(status_of("PUT", "/v1/meshes/square", prefer, square), 202);
-    while (server_registry_statistics(server.registry).surfaces == 0) usleep(1000);
+    while (server_registry_statistics(daemon_server.registry).surfaces == 0) usleep(1000);
     struct server_exchange *exchange =
         exchange_of("GET", "/v1/meshes/square/nearest?point=v:1", "Prefer: respond-async", NULL);
     assert_int_equal(exchange->response.status, 202);
-    assert_string_equal(response_header(exchange, "Preference-Applied"), "respond-async");
-    const char *location = response_header(exchange, "Location");
+    assert_string_equal(daemon_header(exchange, "Preference-Applied"), "respond-async");
+    const char *location = daemon_header(exchange, "Location");
     assert_int_equal(status_of("GET", location, "", NULL), 200);
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("GET", "/v1/meshes", "Prefer: respond-async", NULL), 200);
@@ -189,19 +90,19 @@ static void what_is_refused_before_its_body_closes_the_connection(void **state)
     (void)state;
     char wrong[] = "Content-Length: 48", fine[] = "Content-Length: 48",
          twice[] = "Content-Length: 0\nContent-Length: 0", none[] = "";
-    struct server_exchange *exchange = begin("PUT", "/v1/nothing", wrong);
+    struct server_exchange *exchange = daemon_begin("PUT", "/v1/nothing", wrong);
     assert_int_equal(exchange->response.status, 404);
     assert_true(exchange->response.close);
     server_exchange_destroy(exchange);
-    exchange = begin("PUT", "/v1/meshes/a", fine);
+    exchange = daemon_begin("PUT", "/v1/meshes/a", fine);
     assert_int_equal(exchange->response.status, 0);
     assert_false(exchange->response.close);
     server_exchange_destroy(exchange);
-    exchange = begin("PUT", "/v1/meshes/a", twice);
+    exchange = daemon_begin("PUT", "/v1/meshes/a", twice);
     assert_int_equal(exchange->response.status, 400);
     assert_true(exchange->response.close);
     server_exchange_destroy(exchange);
-    exchange = begin("GET", "/v1/nothing", none);
+    exchange = daemon_begin("GET", "/v1/nothing", none);
     assert_int_equal(exchange->response.status, 404);
     assert_false(exchange->response.close);
     server_exchange_destroy(exchange);
@@ -211,7 +112,7 @@ static void a_request_is_named(void **state)
 {
     (void)state;
     struct server_exchange *exchange = exchange_of("GET", "/v1", "X-Request-Id: a.B-9_", NULL);
-    assert_string_equal(response_header(exchange, "X-Request-Id"), "a.B-9_");
+    assert_string_equal(daemon_header(exchange, "X-Request-Id"), "a.B-9_");
     server_exchange_destroy(exchange);
     struct server_exchange *a = exchange_of("GET", "/v1", "X-Request-Id: a b", NULL),
                            *b = exchange_of("GET", "/v1", "", NULL);
@@ -226,7 +127,7 @@ static void options_tell_what_is_allowed(void **state)
     (void)state;
     struct server_exchange *exchange = exchange_of("OPTIONS", "/v1/meshes", "", NULL);
     assert_int_equal(exchange->response.status, 204);
-    assert_string_equal(response_header(exchange, "Allow"), "GET, HEAD, POST, OPTIONS");
+    assert_string_equal(daemon_header(exchange, "Allow"), "GET, HEAD, POST, OPTIONS");
     server_exchange_destroy(exchange);
 }
 
@@ -246,25 +147,25 @@ static void long_answers_are_compressed_for_those_who_take_it(void **state)
                  {"Accept-Encoding: identity", false}};
     for (size_t i = 0; i < COUNT(cases); i++) {
         struct server_exchange *exchange = exchange_of("GET", "/metrics", cases[i].accept, NULL);
-        assert_int_equal(response_header(exchange, "Content-Encoding") != NULL, cases[i].compressed);
-        assert_string_equal(response_header(exchange, "Vary"), "Accept-Encoding");
+        assert_int_equal(daemon_header(exchange, "Content-Encoding") != NULL, cases[i].compressed);
+        assert_string_equal(daemon_header(exchange, "Vary"), "Accept-Encoding");
         const unsigned char *body = exchange->response.body;
         assert_int_equal(body[0] == 0x1f && body[1] == 0x8b, cases[i].compressed);
         server_exchange_destroy(exchange);
     }
     struct server_exchange *small = exchange_of("GET", "/livez", "Accept-Encoding: gzip", NULL);
-    assert_null(response_header(small, "Content-Encoding"));
+    assert_null(daemon_header(small, "Content-Encoding"));
     server_exchange_destroy(small);
 }
 
 static void a_drain_shows(void **state)
 {
     (void)state;
-    atomic_store(&server.draining, true);
+    atomic_store(&daemon_server.draining, true);
     struct server_exchange *exchange = exchange_of("GET", "/readyz", "", NULL);
     assert_int_equal(exchange->response.status, 503);
     assert_true(exchange->response.close);
-    assert_string_equal(response_header(exchange, "Retry-After"), "1");
+    assert_string_equal(daemon_header(exchange, "Retry-After"), "1");
     server_exchange_destroy(exchange);
     assert_int_equal(status_of("GET", "/livez", "", NULL), 200);
 }
@@ -273,16 +174,16 @@ static void work_after_the_cancel_is_told_so(void **state)
 {
     (void)state;
     assert_int_equal(PUT_SQUARE(), 201);
-    server_workers_cancel(server.workers);
+    server_workers_cancel(daemon_server.workers);
     struct server_exchange *exchange = exchange_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL);
     assert_int_equal(exchange->response.status, 503);
-    assert_string_equal(exchange->response.code, "draining");
+    assert_int_equal(exchange->response.problem, PROTO_PROBLEM_DRAINING);
     server_exchange_destroy(exchange);
 }
 
 static size_t counted(enum server_budget_class class)
 {
-    return atomic_load(&server.budget.used[class]);
+    return atomic_load(&daemon_server.budget.used[class]);
 }
 
 static void a_search_leaves_a_workspace_that_is_counted(void **state)
@@ -305,11 +206,11 @@ static void a_search_that_needs_everything_has_the_workspace_too(void **state)
     assert_int_equal(PUT_SQUARE(), 201);
     assert_int_equal(status_of("GET", "/v1/meshes/square/distance?from=v:0&to=v:1", "", NULL), 200);
     size_t left = counted(SERVER_BUDGET_WORKSPACES); /* half of it is too little for a search */
-    size_t taken = server.budget.limit - counted(SERVER_BUDGET_MESHES) - left - left / 2;
-    assert_true(server_budget_take(&server.budget, SERVER_BUDGET_FLIGHT, taken));
+    size_t taken = daemon_server.budget.limit - counted(SERVER_BUDGET_MESHES) - left - left / 2;
+    assert_true(server_budget_take(&daemon_server.budget, SERVER_BUDGET_FLIGHT, taken));
     unsigned status = status_of("GET", "/v1/meshes/square/distance?from=v:2&to=v:3", "", NULL);
     assert_int_equal(counted(SERVER_BUDGET_FLIGHT), taken);
-    server_budget_give(&server.budget, SERVER_BUDGET_FLIGHT, taken);
+    server_budget_give(&daemon_server.budget, SERVER_BUDGET_FLIGHT, taken);
     assert_int_equal(status, 200);
 }
 
@@ -317,11 +218,11 @@ static void a_search_that_needs_everything_has_the_workspace_too(void **state)
 static void assert_told(enum server_refusal why, unsigned status, const char *words)
 {
     char none[] = "";
-    struct server_exchange *exchange = begin("GET", "/v1", none);
-    server_deferred_begin(&server);
+    struct server_exchange *exchange = daemon_begin("GET", "/v1", none);
+    server_deferred_begin(&daemon_server);
     exchange->response.status = 0;
     exchange->job.refuse(&exchange->job, why);
-    sem_wait(&finished);
+    sem_wait(&daemon_finished);
     char *body = strndup(exchange->response.body, exchange->response.size);
     assert_int_equal(exchange->response.status, status);
     assert_non_null(strstr(body, words));

@@ -41,10 +41,33 @@ static int tear_down(void **state)
     return 0;
 }
 
+static struct server_content content_of(const char *bytes, const char *attachment)
+{
+    return (struct server_content){.parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = attachment}};
+}
+
+/* Puts a surface of any key, with an attachment if there is one. */
+static enum server_store_outcome put_of(struct fixture *fixture, struct server_key key, const char *bytes,
+                                        const char *attachment)
+{
+    struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
+    const struct server_content content = content_of(bytes, attachment);
+    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, &content);
+    if (!outcome) fixture->store->tidy(fixture->store);
+    server_record_release(record);
+    return outcome;
+}
+
 static enum server_store_outcome put(struct fixture *fixture, const char *name, const char *bytes)
 {
-    struct server_record *record = new_record(name, bytes);
-    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, bytes);
+    return put_of(fixture, mesh_key(name), bytes, NULL);
+}
+
+static enum server_store_outcome drop_of(struct fixture *fixture, struct server_key key, const char *bytes,
+                                         const char *attachment)
+{
+    struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
+    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
@@ -52,33 +75,39 @@ static enum server_store_outcome put(struct fixture *fixture, const char *name, 
 
 static enum server_store_outcome drop(struct fixture *fixture, const char *name, const char *bytes)
 {
-    struct server_record *record = new_record(name, bytes);
-    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record);
-    if (!outcome) fixture->store->tidy(fixture->store);
-    server_record_release(record);
-    return outcome;
+    return drop_of(fixture, mesh_key(name), bytes, NULL);
 }
 
-static enum server_store_outcome fetch(struct fixture *fixture, const char *bytes)
+/* Fetches a part of that tenant's, by its bytes. */
+static enum server_store_outcome fetch_of(struct fixture *fixture, const char *tenant, enum server_part part,
+                                          const char *bytes)
 {
-    struct server_record *record = new_record("any", bytes);
+    struct server_key key = mesh_key("any");
+    key.tenant = tenant;
+    struct server_record *record =
+        new_record_of(key, MESH_OPTIONS, bytes, part == SERVER_PART_ATTACHMENT ? bytes : NULL);
     void *found = NULL;
-    enum server_store_outcome outcome = fixture->store->fetch(fixture->store, record, &found);
+    enum server_store_outcome outcome = fixture->store->fetch(fixture->store, record, part, &found);
     if (!outcome) assert_memory_equal(found, bytes, strlen(bytes));
     free(found);
     server_record_release(record);
     return outcome;
 }
 
+static enum server_store_outcome fetch(struct fixture *fixture, const char *bytes)
+{
+    return fetch_of(fixture, "", SERVER_PART_FILE, bytes);
+}
+
 struct listing {
-    char text[256]; /* "name=uses " of each */
+    char text[256]; /* "key=uses " of each */
 };
 
 static bool on_record(void *user, struct server_record *record, const struct server_store_uses *uses)
 {
     struct listing *listing = user;
     size_t size = strlen(listing->text);
-    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", record->name, (int)uses->count);
+    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", record->key, (int)uses->count);
     return true;
 }
 
@@ -166,7 +195,8 @@ static void bytes_go_when_all_is_tidy(void **state)
     struct fixture *fixture = *state;
     struct server_record *two = new_record("a", "2");
     put(fixture, "a", "1");
-    assert_int_equal(fixture->store->put(fixture->store, two, "2"), SERVER_STORE_DONE);
+    const struct server_content content = content_of("2", NULL);
+    assert_int_equal(fixture->store->put(fixture->store, two, &content), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE);
     fixture->store->tidy(fixture->store);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
@@ -200,7 +230,8 @@ static void finds_damaged_bytes_and_takes_them_again(void **state)
     object_path(fixture, path, "some bytes");
     write_over(path, "x");
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
-    assert_int_equal(fixture->store->keep(fixture->store, record, "some bytes"), SERVER_STORE_DONE);
+    const struct server_content content = content_of("some bytes", NULL);
+    assert_int_equal(fixture->store->keep(fixture->store, record, &content), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
     assert_int_equal(truncate(path, 3), 0);
     assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
@@ -283,6 +314,60 @@ static void without_row_and_manifest_a_name_is_lost_and_no_other(void **state)
     assert_holds(fixture, "b=0 ");
 }
 
+/* --- tenants and attachments -------------------------------------------------------------------------------------- */
+
+static void names_are_each_tenants_own(void **state)
+{
+    struct fixture *fixture = *state;
+    const struct server_key acme = {.tenant = "acme", .kind = &server_kind_mesh, .name = "a"};
+    assert_int_equal(put(fixture, "a", "1"), SERVER_STORE_DONE);
+    assert_int_equal(put_of(fixture, acme, "1", NULL), SERVER_STORE_DONE);
+    assert_holds(fixture, "a=0 acme@a=0 ");
+    assert_int_equal(drop(fixture, "a", "1"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT); /* the same bytes are not the same object */
+    assert_int_equal(fetch_of(fixture, "acme", SERVER_PART_FILE, "1"), SERVER_STORE_DONE);
+    close_store(fixture);
+    lose(fixture, "geodesicd.db");
+    assert_holds(fixture, "acme@a=0 ");
+    assert_int_equal(fetch_of(fixture, "acme", SERVER_PART_FILE, "1"), SERVER_STORE_DONE);
+    close_store(fixture);
+    lose(fixture, "manifests/acme@a.manifest");
+    assert_holds(fixture, "acme@a=0 ");
+}
+
+static void an_attachment_comes_and_goes_with_its_surface(void **state)
+{
+    struct fixture *fixture = *state;
+    const struct server_key key = mesh_key("a");
+    assert_int_equal(put_of(fixture, key, "file", "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(put_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(put(fixture, "c", "attachment"), SERVER_STORE_DONE); /* a file with the bytes of an attachment */
+    assert_holds(fixture, "a=0 b=0 c=0 ");
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(put(fixture, "a", "file"), SERVER_STORE_DONE); /* without it, it is another surface */
+    assert_int_equal(drop(fixture, "c", "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_DONE); /* of b */
+    assert_int_equal(drop_of(fixture, mesh_key("b"), "other", "attachment"), SERVER_STORE_DONE);
+    assert_int_equal(fetch(fixture, "attachment"), SERVER_STORE_ABSENT);
+    assert_int_equal(fetch(fixture, "other"), SERVER_STORE_ABSENT);
+    assert_int_equal(fetch(fixture, "file"), SERVER_STORE_DONE);
+}
+
+static void a_damaged_attachment_is_found_and_taken_again(void **state)
+{
+    struct fixture *fixture = *state;
+    char path[SERVER_DISK_PATH];
+    struct server_record *record = new_record_of(mesh_key("a"), MESH_OPTIONS, "file", "attachment");
+    const struct server_content content = content_of("file", "attachment");
+    put_of(fixture, mesh_key("a"), "file", "attachment");
+    object_path(fixture, path, "attachment");
+    write_over(path, "x");
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DAMAGED);
+    assert_int_equal(fixture->store->keep(fixture->store, record, &content), SERVER_STORE_DONE);
+    assert_int_equal(fetch_of(fixture, "", SERVER_PART_ATTACHMENT, "attachment"), SERVER_STORE_DONE);
+    server_record_release(record);
+}
+
 static void what_nothing_refers_to_is_collected(void **state)
 {
     struct fixture *fixture = *state;
@@ -313,6 +398,9 @@ int main(void)
         TEST(what_was_put_aside_stays),
         TEST(a_manifest_is_made_again_from_its_row),
         TEST(without_row_and_manifest_a_name_is_lost_and_no_other),
+        TEST(names_are_each_tenants_own),
+        TEST(an_attachment_comes_and_goes_with_its_surface),
+        TEST(a_damaged_attachment_is_found_and_taken_again),
         TEST(what_nothing_refers_to_is_collected),
     };
 #undef TEST

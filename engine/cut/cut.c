@@ -1,0 +1,113 @@
+#include "gd/cut.h"
+
+#include "base/tolerance.h"
+#include "cut/pieces.h"
+
+/* Progress of several attempts as that of one: it never falls. */
+struct reporting {
+    const struct gd_control *control;
+    double most;
+};
+
+static bool on_progress(void *user, double fraction)
+{
+    struct reporting *reporting = user;
+    if (fraction > reporting->most) reporting->most = fraction;
+    return reporting->control->progress(reporting->control->user, reporting->most);
+}
+
+static struct gd_control control_of(struct reporting *reporting)
+{
+    struct gd_control own = reporting->control ? *reporting->control : (struct gd_control){0};
+    if (own.progress) own.progress = on_progress;
+    own.user = reporting;
+    return own;
+}
+
+/* --- the curve ---------------------------------------------------------------------------------------------------- */
+
+static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_VERTEX) return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
+    return point->kind == GD_POINT_EDGE &&
+           (gd__side_is_boundary(mesh, 2 * point->element) || gd__side_is_boundary(mesh, 2 * point->element + 1));
+}
+
+/* An open curve ends on the boundary, unless it ends where it begins. */
+static enum gd_status check_ends(const struct gd_mesh *mesh, const struct gd_curve *curve, struct gd_detail *detail)
+{
+    const struct gd_point *first = &curve->points[0], *last = &curve->points[curve->count - 1];
+    if (curve->closed || (curve->count > 1 && gd_point_equal(first, last))) return GD_OK;
+    bool is_first = !is_on_boundary(mesh, first);
+    if (!is_first && is_on_boundary(mesh, last)) return GD_OK;
+    return gd_fail(detail, GD_INVALID_ARGUMENT,
+                   "an open curve cuts only from boundary to boundary, and its %s point lies on none; close the curve, "
+                   "or end it on boundary edges",
+                   is_first ? "first" : "last");
+}
+
+/* --- attempts ----------------------------------------------------------------------------------------------------- */
+
+/* From a curve to a refined mesh, by one snap. What refined borrows is in the arrangement. */
+struct attempt {
+    struct gd__arrangement arrangement;
+    struct gd__seam seam;
+    struct gd__refined refined;
+    uint32_t flat_face;
+};
+
+static void clear(struct attempt *attempt)
+{
+    gd__refined_free(&attempt->refined);
+    gd__seam_free(&attempt->seam);
+    gd__arrangement_free(&attempt->arrangement);
+    attempt->flat_face = GD_NONE;
+}
+
+static enum gd_status try(struct attempt *attempt, const struct gd_mesh *mesh, const struct gd_curve *curve,
+                          double snap, struct gd__purse *purse, struct gd_detail *detail)
+{
+    clear(attempt);
+    purse->held = 0;
+    enum gd_status status = gd__arrange(mesh, curve, snap, purse, &attempt->arrangement, detail);
+    if (!status) status = gd__seam_make(&attempt->arrangement, &attempt->seam);
+    if (!status && attempt->seam.cuts == 0)
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the curve cuts nothing: it encloses no area, or runs along the boundary");
+    return status ? status : gd__refine(&attempt->arrangement, &attempt->seam, &attempt->refined, &attempt->flat_face);
+}
+
+/* With a larger snap each time, until one does. */
+static enum gd_status try_snaps(struct attempt *attempt, const struct gd_mesh *mesh, const struct gd_curve *curve,
+                                struct gd__purse *purse, struct gd_detail *detail)
+{
+    enum gd_status status = GD_RUNAWAY;
+    for (double snap = GD_TOL_SEAM; snap < GD_TOL_SEAM_MOST && status == GD_RUNAWAY; snap *= GD_TOL_SEAM_STEP)
+        status = try(attempt, mesh, curve, snap, purse, detail);
+    if (status != GD_RUNAWAY) return status;
+    if (attempt->flat_face == GD_NONE)
+        return gd_fail(detail, GD_TOO_LARGE, "the curve crosses itself too often; cut along simpler ones in turn");
+    return gd_fail(detail, GD_INVALID_ARGUMENT,
+                   "the curve cuts face %u, which is nearly flat, into pieces that are too flat to measure on; lead it "
+                   "around that face, or upload the mesh with repair=split",
+                   mesh->index_of_face[attempt->flat_face]);
+}
+
+enum gd_status gd_cut_along(const struct gd_mesh *mesh, const struct gd_cut_request *request,
+                            const struct gd_control *control, struct gd_cut *out, struct gd_detail *detail)
+{
+    struct reporting reporting = {.control = control};
+    const struct gd_control own = control_of(&reporting);
+    struct gd__purse purse = {.control = &own};
+    struct attempt attempt = {0};
+    struct gd_cut cut = {0};
+    enum gd_status status = check_ends(mesh, request->curve, detail);
+    if (!status) status = try_snaps(&attempt, mesh, request->curve, &purse, detail);
+    double shift = attempt.arrangement.nodes.shift * mesh->unit;
+    if (!status) status = gd__pieces_make(&attempt.refined, request, &purse, &cut, detail);
+    clear(&attempt);
+    if (status) return status;
+    *out = cut;
+    out->largest_shift = shift;
+    return GD_OK;
+}

@@ -1,0 +1,301 @@
+#include "cut/refine.h"
+
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "cut/planar.h"
+#include "mesh/triangle.h"
+#include "mesh/union_find.h"
+
+#define FACES_BETWEEN_CHECKS 1024
+
+struct refining {
+    const struct gd__arrangement *arrangement;
+    const struct gd__seam *seam;
+    struct gd__refined refined;
+    struct gd__planar planar;
+    uint32_t *site_node;  /* per site of the face at hand: its node */
+    uint32_t *first_side; /* per piece: 3 triangle + side of the first triangle there; GD_NONE: none as yet */
+    uint32_t site_capacity;
+};
+
+void gd__refined_free(struct gd__refined *refined)
+{
+    free(refined->node);
+    free(refined->face);
+    free(refined->region);
+    free(refined->vertex);
+    free(refined->of_face);
+    free(refined->in_face);
+    *refined = (struct gd__refined){0};
+}
+
+double gd__refined_share(const struct gd__refined *refined, uint32_t triangle)
+{
+    uint32_t face = refined->face[triangle];
+    if (refined->in_face[face] == 1) return 1;
+    struct gd__site site[3];
+    for (int k = 0; k < 3; k++) site[k] = gd__node_site(refined->nodes, face, refined->node[triangle][k]);
+    return (double)gd__site_area(site[0], site[1], site[2]) / ((double)GD__LATTICE * (double)GD__LATTICE);
+}
+
+static void positions_of(const struct gd__refined *refined, uint32_t triangle, struct gd_vec3 corner[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const struct gd_point point = gd__node_point(refined->nodes, refined->node[triangle][k]);
+        corner[k] = gd_point_position(refined->mesh, &point);
+    }
+}
+
+/* --- joining ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t next(uint32_t k)
+{
+    return k == 2 ? 0 : k + 1;
+}
+
+/* Joins two triangles at a side, which runs opposite ways in them. */
+static void join(struct gd__refined *refined, uint32_t t, uint32_t k, uint32_t other, uint32_t m)
+{
+    gd__unite(refined->region, t, other);
+    gd__unite(refined->vertex, 3 * t + k, 3 * other + next(m));
+    gd__unite(refined->vertex, 3 * t + next(k), 3 * other + m);
+}
+
+/* Side k of triangle t is that piece of an edge: joins it to the triangle that was there before, unless the seam
+ * runs between. */
+static void join_at_piece(struct refining *refining, uint32_t t, uint32_t k, uint32_t piece)
+{
+    uint32_t first = refining->first_side[piece];
+    if (first == GD_NONE)
+        refining->first_side[piece] = 3 * t + k;
+    else if (!refining->seam->is_cut[piece])
+        join(&refining->refined, t, k, first / 3, first % 3);
+}
+
+static uint32_t add(struct gd__refined *refined, uint32_t face, const uint32_t node[3])
+{
+    uint32_t t = refined->count++;
+    for (int k = 0; k < 3; k++) refined->node[t][k] = node[k];
+    refined->face[t] = face;
+    refined->in_face[face]++;
+    return t;
+}
+
+/* --- whole faces -------------------------------------------------------------------------------------------------- */
+
+static void keep_face(struct refining *refining, uint32_t face)
+{
+    const struct gd_mesh *mesh = refining->refined.mesh;
+    const uint32_t *side = mesh->face_side[face];
+    uint32_t t = add(&refining->refined, face,
+                     (uint32_t[]){mesh->origin[side[0]], mesh->origin[side[1]], mesh->origin[side[2]]});
+    for (uint32_t k = 0; k < 3; k++) join_at_piece(refining, t, k, refining->seam->first[side[k] / 2]);
+}
+
+/* --- crossed faces ------------------------------------------------------------------------------------------------ */
+
+static enum gd_status reserve_sites(struct refining *refining, uint32_t count)
+{
+    if (count <= refining->site_capacity) return GD_OK;
+    uint32_t capacity = refining->site_capacity ? 2 * refining->site_capacity : 64;
+    while (capacity < count) capacity *= 2;
+    uint32_t *grown = realloc(refining->site_node, capacity * sizeof *grown);
+    if (!grown) return GD_NO_MEMORY;
+    refining->site_node = grown;
+    refining->site_capacity = capacity;
+    return GD_OK;
+}
+
+/* The face's nodes become the sites. */
+static enum gd_status gather_sites(struct refining *refining, uint32_t face)
+{
+    const struct gd__nodes *nodes = &refining->arrangement->nodes;
+    uint32_t count = 0, node;
+    struct gd__node_walk walk = {0};
+    enum gd_status status = GD_OK;
+    while ((node = gd__nodes_walk(nodes, face, &walk)) != GD_NONE) {
+        status = reserve_sites(refining, count + 1);
+        if (status) return status;
+        refining->site_node[count++] = node;
+    }
+    status = gd__planar_begin(&refining->planar, count);
+    for (uint32_t s = 0; s < count && !status; s++) {
+        refining->planar.sites[s] = gd__node_site(nodes, face, refining->site_node[s]);
+        refining->planar.places[s] = gd__site_local(nodes->mesh, face, refining->planar.sites[s]);
+    }
+    return status;
+}
+
+static uint32_t site_of(const struct refining *refining, uint32_t node)
+{
+    uint32_t s = 0;
+    while (refining->site_node[s] != node) s++;
+    return s;
+}
+
+static enum gd_status draw_segments(struct refining *refining, uint32_t face)
+{
+    const struct gd__segment *segments = refining->arrangement->segments;
+    enum gd_status status = GD_OK;
+    for (uint32_t s = refining->arrangement->of_face[face]; s != GD_NONE && !status; s = segments[s].next) {
+        if (!refining->seam->is_cutting[s]) continue;
+        status = gd__planar_fix(&refining->planar, site_of(refining, segments[s].a), site_of(refining, segments[s].b));
+    }
+    return status;
+}
+
+static bool is_flat(const struct gd__refined *refined, uint32_t t)
+{
+    struct gd_vec3 corner[3], edge[3];
+    positions_of(refined, t, corner);
+    for (int k = 0; k < 3; k++)
+        edge[k] = gd_vec3_scale(gd_vec3_sub(corner[(k + 1) % 3], corner[k]), 1 / refined->mesh->unit);
+    const struct gd__triangle triangle = gd__triangle_measure(edge[0], edge[1], edge[2]);
+    return !(gd__triangle_flatness(&triangle) >= GD_TOL_FLAT);
+}
+
+/* Side k of a triangle of the face lies on the face's border: the piece of the edge that it is. */
+static uint32_t piece_of(const struct refining *refining, uint32_t face, uint32_t t, uint32_t k)
+{
+    const struct gd__refined *refined = &refining->refined;
+    uint32_t a = refined->node[t][k], b = refined->node[t][next(k)];
+    uint32_t sides = gd__node_sides(refined->nodes, face, a) & gd__node_sides(refined->nodes, face, b);
+    uint32_t edge = refined->mesh->face_side[face][sides & 1 ? 0 : sides & 2 ? 1 : 2] / 2;
+    return gd__seam_piece(refining->seam, edge, a, b);
+}
+
+/* Joins triangle i of the face to those before it, and over the face's border. */
+static void join_in_face(struct refining *refining, uint32_t face, uint32_t i)
+{
+    const struct gd__planar_triangle *triangles = refining->planar.triangles;
+    uint32_t first = refining->refined.of_face[face];
+    for (uint32_t k = 0; k < 3; k++) {
+        uint32_t other = triangles[i].across[k];
+        if (other == GD_NONE) {
+            join_at_piece(refining, first + i, k, piece_of(refining, face, first + i, k));
+        } else if (other < i && !triangles[i].is_fixed[k]) {
+            uint32_t m = 0;
+            while (triangles[other].across[m] != i) m++;
+            join(&refining->refined, first + i, k, first + other, m);
+        }
+    }
+}
+
+static enum gd_status triangulate(struct refining *refining, uint32_t face)
+{
+    enum gd_status status = gather_sites(refining, face);
+    if (!status) status = gd__planar_triangulate(&refining->planar);
+    if (!status) gd__planar_improve(&refining->planar); /* then most segments are sides already */
+    if (!status) status = draw_segments(refining, face);
+    if (!status) gd__planar_improve(&refining->planar);
+    return status;
+}
+
+/* The triangles tile the face: their areas add up to it, exactly. */
+static bool is_whole(const struct gd__planar *planar)
+{
+    __int128 area = 0;
+    for (uint32_t i = 0; i < planar->triangle_count; i++) {
+        const uint32_t *corner = planar->triangles[i].corner;
+        __int128 part = gd__site_area(planar->sites[corner[0]], planar->sites[corner[1]], planar->sites[corner[2]]);
+        if (part <= 0) return false;
+        area += part;
+    }
+    return area == (__int128)GD__LATTICE * GD__LATTICE;
+}
+
+static enum gd_status split_face(struct refining *refining, uint32_t face)
+{
+    enum gd_status status = triangulate(refining, face);
+    if (status) return status;
+    if (!is_whole(&refining->planar)) return GD_INTERNAL;
+    bool has_flat = false;
+    for (uint32_t i = 0; i < refining->planar.triangle_count; i++) {
+        const uint32_t *corner = refining->planar.triangles[i].corner;
+        uint32_t node[3];
+        for (int k = 0; k < 3; k++) node[k] = refining->site_node[corner[k]];
+        has_flat |= is_flat(&refining->refined, add(&refining->refined, face, node));
+    }
+    for (uint32_t i = 0; i < refining->planar.triangle_count; i++) join_in_face(refining, face, i);
+    return has_flat ? GD_RUNAWAY : GD_OK;
+}
+
+/* --- the whole ---------------------------------------------------------------------------------------------------- */
+
+/* A node of an edge adds a triangle to each of its faces, one inside a face adds two. */
+static size_t triangle_count(const struct gd__nodes *nodes)
+{
+    return nodes->mesh->face_count + 2 * (size_t)nodes->count;
+}
+
+static bool allocate(struct refining *refining, size_t triangles, size_t pieces)
+{
+    struct gd__refined *refined = &refining->refined;
+    uint32_t faces = refined->mesh->face_count;
+    refined->node = malloc(triangles * sizeof *refined->node);
+    refined->face = malloc(triangles * sizeof *refined->face);
+    refined->region = malloc(triangles * sizeof *refined->region);
+    refined->vertex = malloc(3 * triangles * sizeof *refined->vertex);
+    refined->of_face = malloc(faces * sizeof *refined->of_face);
+    refined->in_face = calloc(faces, sizeof *refined->in_face);
+    refining->first_side = malloc(pieces * sizeof *refining->first_side);
+    bool ok = refined->node && refined->face && refined->region && refined->vertex && refined->of_face &&
+              refined->in_face && refining->first_side;
+    if (!ok) return false;
+    gd__each_alone(refined->region, (uint32_t)triangles);
+    gd__each_alone(refined->vertex, (uint32_t)(3 * triangles));
+    for (size_t i = 0; i < pieces; i++) refining->first_side[i] = GD_NONE;
+    return true;
+}
+
+static enum gd_status prepare(struct refining *refining)
+{
+    const struct gd__nodes *nodes = &refining->arrangement->nodes;
+    size_t triangles = triangle_count(nodes), pieces = (size_t)nodes->mesh->edge_count + nodes->count;
+    if (3 * triangles > UINT32_MAX) return GD_TOO_LARGE;
+    enum gd_status status =
+        gd__purse_take(nodes->purse, (8 * triangles + 2 * (size_t)nodes->mesh->face_count + pieces) * sizeof(uint32_t));
+    if (status) return status;
+    return allocate(refining, triangles, pieces) ? GD_OK : GD_NO_MEMORY;
+}
+
+static enum gd_status refine_faces(struct refining *refining, uint32_t *flat_face)
+{
+    const struct gd_mesh *mesh = refining->refined.mesh;
+    uint32_t indices = mesh->summary.face_index_count;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < indices && !status; i++) {
+        uint32_t face = mesh->face_of_index[i];
+        if (face == GD_NONE) continue;
+        refining->refined.of_face[face] = refining->refined.count;
+        if (gd__is_crossed(refining->arrangement, face)) {
+            status = split_face(refining, face);
+            *flat_face = face;
+        } else {
+            keep_face(refining, face);
+        }
+        if (!status && (i + 1) % FACES_BETWEEN_CHECKS == 0)
+            status = gd_control_check(refining->planar.purse->control, (double)i / indices);
+    }
+    return status;
+}
+
+enum gd_status gd__refine(const struct gd__arrangement *arrangement, const struct gd__seam *seam,
+                          struct gd__refined *out, uint32_t *flat_face)
+{
+    const struct gd__nodes *nodes = &arrangement->nodes;
+    struct refining refining = {.arrangement = arrangement, .seam = seam};
+    refining.refined = (struct gd__refined){.mesh = nodes->mesh, .nodes = nodes};
+    refining.planar.purse = nodes->purse;
+    enum gd_status status = prepare(&refining);
+    if (!status) status = refine_faces(&refining, flat_face);
+    gd__planar_free(&refining.planar);
+    free(refining.site_node);
+    free(refining.first_side);
+    if (status)
+        gd__refined_free(&refining.refined);
+    else
+        *out = refining.refined;
+    return status;
+}

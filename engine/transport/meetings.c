@@ -1,0 +1,141 @@
+#include "transport/meetings.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/tolerance.h"
+#include "field/layout.h"
+
+enum { CAPACITY = 64 };
+
+/* In the frame of its face's side 0. */
+struct segment {
+    struct gd__local from, to;
+    uint32_t before; /* in the same face; GD_NONE: none */
+};
+
+struct gd__meetings {
+    const struct gd_mesh *mesh;
+    const struct gd_control *control;
+    uint32_t *newest; /* per face: segment */
+    bool *is_met;     /* per vertex */
+    struct segment *segments;
+    uint32_t count, capacity;
+};
+
+void gd__meetings_destroy(struct gd__meetings *meetings)
+{
+    if (!meetings) return;
+    free(meetings->newest);
+    free(meetings->is_met);
+    free(meetings->segments);
+    free(meetings);
+}
+
+static size_t table_bytes(const struct gd_mesh *mesh)
+{
+    return mesh->face_count * sizeof(uint32_t) + mesh->vertex_count * sizeof(bool);
+}
+
+enum gd_status gd__meetings_create(const struct gd_mesh *mesh, const struct gd_point *start,
+                                   const struct gd_control *control, struct gd__meetings **out)
+{
+    enum gd_status status = gd_control_afford(control, table_bytes(mesh));
+    if (status) return status;
+    struct gd__meetings *meetings = calloc(1, sizeof *meetings);
+    if (!meetings) return GD_NO_MEMORY;
+    *meetings = (struct gd__meetings){.mesh = mesh, .control = control};
+    meetings->newest = malloc(mesh->face_count * sizeof *meetings->newest);
+    meetings->is_met = calloc(mesh->vertex_count, sizeof *meetings->is_met);
+    if (!meetings->newest || !meetings->is_met) {
+        gd__meetings_destroy(meetings);
+        return GD_NO_MEMORY;
+    }
+    memset(meetings->newest, 0xff, mesh->face_count * sizeof *meetings->newest); /* GD_NONE */
+    if (start->kind == GD_POINT_VERTEX) meetings->is_met[start->element] = true;
+    *out = meetings;
+    return GD_OK;
+}
+
+/* --- two segments -------------------------------------------------------------------------------------------------------- */
+
+static struct gd__local minus(struct gd__local a, struct gd__local b)
+{
+    return (struct gd__local){a.x - b.x, a.y - b.y};
+}
+
+static double cross(struct gd__local a, struct gd__local b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+static double dot(struct gd__local a, struct gd__local b)
+{
+    return a.x * b.x + a.y * b.y;
+}
+
+/* The part of `a` after which it first runs on `b`, along the same line; 2 if it doesn't. */
+static double meet_along(const struct segment *a, const struct segment *b)
+{
+    struct gd__local d = minus(a->to, a->from), w = minus(b->from, a->from), e = minus(b->to, a->from);
+    double length = dot(d, d), touch = GD_TOL_TOUCH * length;
+    if (fabs(cross(d, w)) > touch || fabs(cross(d, e)) > touch) return 2;
+    double first = fmin(dot(d, w), dot(d, e)) / length, last = fmax(dot(d, w), dot(d, e)) / length;
+    if (last <= GD_TOL_TOUCH || first > 1 + GD_TOL_TOUCH) return 2;
+    return fmax(first, GD_TOL_TOUCH);
+}
+
+/* The part of `a` after which it meets `b`; 2 if it doesn't. */
+static double meet(const struct segment *a, const struct segment *b)
+{
+    struct gd__local d = minus(a->to, a->from), e = minus(b->to, b->from), w = minus(b->from, a->from);
+    double sine = cross(d, e), lengths = sqrt(dot(d, d) * dot(e, e));
+    if (!(lengths > 0)) return 2;
+    if (fabs(sine) <= GD_TOL_TOUCH * lengths) return meet_along(a, b);
+    double part = cross(w, e) / sine, other = cross(w, d) / sine;
+    if (part <= GD_TOL_TOUCH || part > 1 + GD_TOL_TOUCH) return 2;
+    return other >= -GD_TOL_TOUCH && other <= 1 + GD_TOL_TOUCH ? part : 2;
+}
+
+/* --- the line ------------------------------------------------------------------------------------------------------------ */
+
+static enum gd_status make_room(struct gd__meetings *meetings)
+{
+    if (meetings->count < meetings->capacity) return GD_OK;
+    uint32_t capacity = meetings->capacity ? 2 * meetings->capacity : CAPACITY;
+    enum gd_status status =
+        gd_control_afford(meetings->control, table_bytes(meetings->mesh) + capacity * sizeof *meetings->segments);
+    if (status) return status;
+    struct segment *segments = realloc(meetings->segments, capacity * sizeof *segments);
+    if (!segments) return GD_NO_MEMORY;
+    meetings->segments = segments;
+    meetings->capacity = capacity;
+    return GD_OK;
+}
+
+static struct gd__local place(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
+{
+    double weight[3];
+    gd__point_weights(mesh, point, face, weight);
+    return gd__face_local(mesh, mesh->face_side[face][0], weight);
+}
+
+enum gd_status gd__meetings_add(struct gd__meetings *meetings, uint32_t face, const struct gd_point *from,
+                                const struct gd_point *to, double *part)
+{
+    enum gd_status status = make_room(meetings);
+    if (status) return status;
+    struct segment segment = {place(meetings->mesh, face, from), place(meetings->mesh, face, to),
+                              meetings->newest[face]};
+    double first = 2;
+    for (uint32_t i = segment.before; i != GD_NONE; i = meetings->segments[i].before)
+        first = fmin(first, meet(&segment, &meetings->segments[i]));
+    if (to->kind == GD_POINT_VERTEX) {
+        if (meetings->is_met[to->element]) first = fmin(first, 1);
+        meetings->is_met[to->element] = true;
+    }
+    meetings->newest[face] = meetings->count;
+    meetings->segments[meetings->count++] = segment;
+    *part = first > 1 && first < 2 ? 1 : first;
+    return GD_OK;
+}

@@ -1,0 +1,352 @@
+#include "gd/trace.h"
+
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "field/layout.h"
+#include "mesh/canonical.h"
+#include "transport/flight.h"
+#include "transport/line.h"
+#include "transport/meetings.h"
+#include "transport/straight.h"
+
+/* A trace is flights from face to face, and halts between them: at vertices, at the boundary, at its end. A flight knows the face that it comes to by its
+ * side alone; where the line came from at a halt is kept as a turn. */
+
+enum halt {
+    HALT_NONE,   /* over an edge, into the face of the flight's side */
+    HALT_VERTEX, /* at the last point, from the turn `back` */
+    HALT_BORDER, /* on the flight's side, which has no face */
+    HALT_END,    /* by length */
+    HALT_STOP,   /* by the boundary */
+    HALT_MEETING,
+    HALT_LIMIT /* of steps; or the line's status is a failure */
+};
+
+struct tracer {
+    const struct gd_mesh *mesh;
+    const struct gd_trace_options *options;
+    struct gd__line line;
+    struct gd__flight flight;
+    double back; /* turn at the last point to where the line came from: at halts but NONE and BORDER */
+    struct gd__meetings *meetings; /* NULL: not asked for */
+};
+
+/* --- one face ------------------------------------------------------------------------------------------------------------ */
+
+/* How far from where it should be a point may be for rounding. */
+static inline double drift(const struct tracer *tracer)
+{
+    return GD_TOL_DRIFT * tracer->line.gone;
+}
+
+/* Looks whether the last segment, which is in `face`, meets the line: then the line ends there. */
+static enum halt meet(struct tracer *tracer, uint32_t face, double run, enum halt halt)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    struct gd__line *line = &tracer->line;
+    struct gd_point *from = gd__line_last(line) - 1, *to = from + 1;
+    double part = 2, a[3], b[3], at[3];
+    line->status = gd__meetings_add(tracer->meetings, face, from, to, &part);
+    if (line->status || part > 1) return line->status ? HALT_LIMIT : halt;
+    gd__point_weights(mesh, from, face, a);
+    gd__point_weights(mesh, to, face, b);
+    for (int k = 0; k < 3; k++) at[k] = fmax(a[k] + part * (b[k] - a[k]), 0);
+    uint32_t side = mesh->face_side[face][0];
+    struct gd__local way = gd__face_local(mesh, side, (double[3]){a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+    if (part < 1) *to = gd__point_of_face(mesh, face, at);
+    gd__line_go(line, (part - 1) * run);
+    tracer->back = gd__turn_in_face(mesh, to, side, way.x, way.y);
+    return HALT_MEETING;
+}
+
+/* Appends a point of a face; the line came to it by a straight segment in that face. */
+static inline enum halt append(struct tracer *tracer, struct gd_point point, uint32_t face, double run, enum halt halt)
+{
+    if (!gd__line_append(&tracer->line, &point, run)) return HALT_LIMIT;
+    return tracer->meetings ? meet(tracer, face, run, halt) : halt;
+}
+
+/* The point of a side's face at a place in its frame; of an edge or a vertex, when it is no farther from it than `snap`. */
+static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struct gd__local at, double snap)
+{
+    const struct gd_side *s = &mesh->side[side];
+    uint32_t face = mesh->side_face[side];
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y, area = s->length * py;
+    double apex = at.y / py, destination = (at.x - apex * px) / s->length;
+    double weight[3] = {1 - apex - destination, destination, apex},
+           opposite[3] = {s->right_length, s->left_length, s->length}, own[3], sum = 0;
+    int first = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    for (int k = 0; k < 3; k++) {
+        if (weight[k] * area <= snap * opposite[k]) weight[k] = 0;
+        sum += weight[k];
+    }
+    for (int k = 0; k < 3; k++) own[(first + k) % 3] = weight[k] / sum;
+    return gd__point_of_face(mesh, face, own);
+}
+
+/* The line ends in the ray's face. */
+static enum halt end_in_face(struct tracer *tracer, const struct gd__ray *ray, double snap)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    double run = fmax(gd__line_rest(&tracer->line), 0);
+    struct gd_point end =
+        point_at(mesh, ray->side, (struct gd__local){ray->x + run * ray->dx, ray->y + run * ray->dy}, snap);
+    tracer->back = gd__turn_in_face(mesh, &end, ray->side, -ray->dx, -ray->dy);
+    if (gd_point_equal(&end, gd__line_last(&tracer->line))) {
+        gd__line_go(&tracer->line, run);
+        return HALT_END;
+    }
+    return append(tracer, end, mesh->side_face[ray->side], run, HALT_END);
+}
+
+/* A corner of the face in the frame of its side. */
+static struct gd__local corner_of(const struct gd_mesh *mesh, uint32_t side, uint32_t vertex)
+{
+    const struct gd_side *s = &mesh->side[side];
+    if (vertex == mesh->origin[side]) return (struct gd__local){0, 0};
+    if (vertex == mesh->origin[side ^ 1]) return (struct gd__local){s->length, 0};
+    return (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y};
+}
+
+/* The line leaves the ray's face through an end of the edge to which the flight has come. */
+static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, double edge, double snap)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    const struct gd__flight *flight = &tracer->flight;
+    struct gd_point vertex = gd__point_of_vertex(mesh->origin[flight->side ^ !(flight->t < 0.5 * edge)]);
+    struct gd__local corner = corner_of(mesh, ray->side, vertex.element);
+    double run = hypot(corner.x - ray->x, corner.y - ray->y);
+    if (gd__line_rest(&tracer->line) < run - snap) return end_in_face(tracer, ray, snap);
+    tracer->back = gd__turn_in_face(mesh, &vertex, flight->side ^ 1, flight->dx, flight->dy);
+    bool is_end = gd__line_rest(&tracer->line) <= run + snap;
+    return append(tracer, vertex, mesh->side_face[ray->side], is_end ? gd__line_rest(&tracer->line) : run,
+                  is_end ? HALT_END : HALT_VERTEX);
+}
+
+/* The flight has left the face that the ray lies in. */
+static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, const struct gd__passage *passage)
+{
+    const struct gd__flight *flight = &tracer->flight;
+    double snap = GD_TOL_HIT * passage->edge + drift(tracer);
+    if (!(flight->t > snap && flight->t < passage->edge - snap)) return pass_vertex(tracer, ray, passage->edge, snap);
+    double end_snap = GD_TOL_HIT * fmin(passage->edge, tracer->line.length) + drift(tracer);
+    if (gd__line_rest(&tracer->line) <= passage->run + end_snap) return end_in_face(tracer, ray, end_snap);
+    double weight = flight->t / passage->edge;
+    struct gd_point point = {
+        .kind = GD_POINT_EDGE, .element = flight->side >> 1, .weight = {flight->side & 1 ? 1 - weight : weight}};
+    return append(tracer, point, tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE, passage->run,
+                  HALT_NONE);
+}
+
+/* --- flights ------------------------------------------------------------------------------------------------------------- */
+
+/* From face to face until something halts it. Of each face it reads one record, which it asks for as soon as the one before is there. */
+static enum halt fly(struct tracer *tracer)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    enum halt halt = HALT_NONE;
+    while (halt == HALT_NONE) {
+        const struct gd__flight *flight = &tracer->flight;
+        const struct gd_side *s = &mesh->side[flight->side];
+        if (s->left == GD_NONE) return HALT_BORDER;
+        __builtin_prefetch(&mesh->side[s->left]);
+        __builtin_prefetch(&mesh->side[s->right]);
+        struct gd__ray ray = {flight->side, flight->t, 0, flight->dx, flight->dy};
+        struct gd__passage passage = gd__flight_cross(s, &tracer->flight);
+        halt = pass(tracer, &ray, &passage);
+        if (halt == HALT_LIMIT) /* the last point is where the ray begins */
+            tracer->back = gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
+    }
+    return halt;
+}
+
+/* Leaves a face from inside, by the first of its sides. */
+static struct gd__passage leave_from_inside(const struct gd_mesh *mesh, const struct gd__ray *ray,
+                                            struct gd__flight *flight)
+{
+    struct gd__passage passage = {0, INFINITY};
+    double x = ray->x, y = ray->y, dx = ray->dx, dy = ray->dy;
+    uint32_t side = ray->side;
+    for (int k = 0; k < 3; k++) {
+        const struct gd_side *s = &mesh->side[side];
+        double run = dy < 0 ? fmax(y, 0) / -dy : INFINITY;
+        if (run < passage.run) {
+            passage = (struct gd__passage){s->length, run};
+            *flight = (struct gd__flight){side ^ 1, s->length - (x + run * dx), -dx, -dy};
+        }
+        /* into the frame of the next side, whose direction is that of destination -> apex */
+        double ux = -s->right_x, uy = -s->right_y, rx = x - s->length, ry = y, ex = dx, ey = dy;
+        x = rx * ux + ry * uy, y = ry * ux - rx * uy;
+        dx = ex * ux + ey * uy, dy = ey * ux - ex * uy;
+        side = gd__side_next(mesh, side);
+    }
+    return passage;
+}
+
+/* From the last point in the direction of a turn, over the first face. */
+static enum halt depart(struct tracer *tracer, double turn)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    const struct gd_point *point = gd__line_last(&tracer->line);
+    struct gd__ray ray = gd__turn_ray(mesh, point, turn);
+    struct gd__passage passage;
+    if (point->kind == GD_POINT_FACE) {
+        passage = leave_from_inside(mesh, &ray, &tracer->flight);
+    } else {
+        tracer->flight = (struct gd__flight){ray.side, ray.x, ray.dx, fmax(ray.dy, 0)};
+        passage = gd__flight_cross(&mesh->side[ray.side], &tracer->flight);
+    }
+    return pass(tracer, &ray, &passage);
+}
+
+/* --- the boundary -------------------------------------------------------------------------------------------------------- */
+
+/* Along a boundary side from `at`, forward or backward, to its end. */
+static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool forward)
+{
+    const struct gd_mesh *mesh = tracer->mesh;
+    double edge = mesh->side[side].length, run = forward ? edge - at : at, rest = gd__line_rest(&tracer->line);
+    uint32_t face = mesh->side_face[side ^ 1];
+    double snap = GD_TOL_HIT * fmin(edge, tracer->line.length) + drift(tracer);
+    if (rest < run - snap) {
+        double part = (forward ? at + rest : at - rest) / edge;
+        struct gd_point end = gd__point_of_edge(mesh, side >> 1, side & 1 ? 1 - part : part);
+        tracer->back = gd__turn_in_face(mesh, &end, side ^ 1, forward ? 1 : -1, 0);
+        return append(tracer, end, face, rest, HALT_END);
+    }
+    struct gd_point vertex = gd__point_of_vertex(mesh->origin[forward ? side ^ 1 : side]);
+    tracer->back = forward ? 0 : mesh->total_angle[vertex.element];
+    bool is_end = rest <= run + snap;
+    return append(tracer, vertex, face, is_end ? rest : run, is_end ? HALT_END : HALT_VERTEX);
+}
+
+static enum halt at_border(struct tracer *tracer)
+{
+    const struct gd__flight *flight = &tracer->flight;
+    tracer->back =
+        gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), flight->side ^ 1, flight->dx, flight->dy);
+    bool leans = fabs(flight->dx) > GD_TOL_HIT;
+    if (tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP || !leans) return HALT_STOP;
+    return slide(tracer, flight->side, flight->t, flight->dx > 0);
+}
+
+static enum halt at_vertex(struct tracer *tracer)
+{
+    uint32_t vertex = gd__line_last(&tracer->line)->element, side;
+    double turn;
+    bool forward;
+    if (gd__straight_on(tracer->mesh, vertex, tracer->back, tracer->options, &turn)) return depart(tracer, turn);
+    if (tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP) return HALT_STOP;
+    if (!gd__straight_slide(tracer->mesh, vertex, tracer->back, &side, &forward)) return HALT_STOP;
+    return slide(tracer, side, forward ? 0 : tracer->mesh->side[side].length, forward);
+}
+
+/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+
+static enum halt run(struct tracer *tracer, double turn)
+{
+    enum halt halt = depart(tracer, turn);
+    for (;;) {
+        switch (halt) {
+        case HALT_NONE:
+            halt = fly(tracer);
+            break;
+        case HALT_VERTEX:
+            halt = at_vertex(tracer);
+            break;
+        case HALT_BORDER:
+            halt = at_border(tracer);
+            break;
+        case HALT_END:
+        case HALT_STOP:
+        case HALT_MEETING:
+        case HALT_LIMIT:
+            return halt;
+        }
+    }
+}
+
+static enum gd_trace_end end_of(enum halt halt)
+{
+    switch (halt) {
+    case HALT_STOP:
+        return GD_TRACE_END_BOUNDARY;
+    case HALT_MEETING:
+        return GD_TRACE_END_SELF_INTERSECTION;
+    case HALT_LIMIT:
+        return GD_TRACE_END_STEP_LIMIT;
+    default:
+        return GD_TRACE_END_LENGTH;
+    }
+}
+
+static void finish(struct tracer *tracer, enum halt halt, struct gd_trace *out)
+{
+    const struct gd__line *line = &tracer->line;
+    const struct gd_mesh *mesh = tracer->mesh;
+    const struct gd_point *last = gd__line_last(line);
+    struct gd_direction back = gd__turn_direction(mesh, last, tracer->back);
+    *out = (struct gd_trace){.path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
+                             .direction = gd_direction_opposite(mesh, last, &back),
+                             .end = end_of(halt)};
+}
+
+static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *start, const struct gd_direction *ahead,
+                            double length, struct gd_direction *out, struct gd_detail *detail)
+{
+    if (!(isfinite(length) && length >= 0))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the length is %.17g; it must be a finite number, 0 or more",
+                       length);
+    return gd_direction_at_angle(mesh, start, ahead->angle, out, detail);
+}
+
+static enum gd_status open(struct tracer *tracer, const struct gd_point *start)
+{
+    uint64_t limit = tracer->options->step_limit ? tracer->options->step_limit : GD_TRACE_STEPS;
+    tracer->line.limit = limit < UINT32_MAX - 1 ? (uint32_t)limit : UINT32_MAX - 1;
+    if (!gd__line_append(&tracer->line, start, 0)) return tracer->line.status;
+    if (!tracer->options->stop_at_self_intersection) return GD_OK;
+    return gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
+}
+
+enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_point *start,
+                               const struct gd_direction *ahead, double length, const struct gd_trace_options *options,
+                               const struct gd_control *control, struct gd_trace *out, struct gd_detail *detail)
+{
+    static const struct gd_trace_options usual = {0};
+    struct tracer tracer = {.mesh = mesh,
+                            .options = options ? options : &usual,
+                            .line = {.length = length / mesh->unit, .control = control}};
+    struct gd_direction checked;
+    enum gd_status status = check(mesh, start, ahead, length, &checked, detail);
+    if (status) return status;
+    status = open(&tracer, start);
+    if (!status) {
+        double turn = gd__turn_of_angle(mesh, start, checked.angle);
+        enum halt halt = length > 0 ? run(&tracer, turn) : HALT_END;
+        status = tracer.line.status;
+        if (!status) finish(&tracer, halt, out);
+        if (!status && !(length > 0)) out->direction = checked;
+    }
+    gd__meetings_destroy(tracer.meetings);
+    if (!status) return GD_OK;
+    free(tracer.line.points);
+    return gd_fail(detail, status, "%s", gd_status_sentence(status));
+}
+
+void gd_trace_free(struct gd_trace *trace)
+{
+    if (!trace) return;
+    gd_path_free(&trace->path);
+    *trace = (struct gd_trace){0};
+}
+
+struct gd_direction gd_trace_fan(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t count, uint32_t i)
+{
+    bool is_closed = gd__turn_is_closed(mesh, point), is_vertex = point->kind == GD_POINT_VERTEX;
+    double total = is_closed || is_vertex ? gd__turn_total(mesh, point) : M_PI, first = 0;
+    if (is_closed) return gd__turn_direction(mesh, point, gd__turn_of_angle(mesh, point, 2 * M_PI * i / count));
+    if (!is_vertex && gd__side_is_boundary(mesh, 2 * point->element)) first = M_PI;
+    return gd__turn_direction(mesh, point, first + (count > 1 ? total * i / (count - 1) : 0));
+}

@@ -1,0 +1,94 @@
+#include "transport/unfold.h"
+
+#include "field/frame.h"
+
+/* Where a face lies in the plane of the first one: its side's frame begins at `origin` and runs along `along`. */
+struct laid {
+    uint32_t side;
+    struct gd__local origin, along;
+};
+
+static struct gd__local place(const struct laid *laid, struct gd__local at)
+{
+    struct gd__local u = laid->along;
+    return (struct gd__local){laid->origin.x + at.x * u.x - at.y * u.y, laid->origin.y + at.x * u.y + at.y * u.x};
+}
+
+/* --- faces of points ----------------------------------------------------------------------------------------------------- */
+
+static bool contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
+{
+    double weight[3];
+    if (face == GD_NONE) return false;
+    if (point->kind == GD_POINT_FACE) return point->element == face;
+    gd__point_weights(mesh, point, face, weight);
+    return weight[0] + weight[1] + weight[2] > 0;
+}
+
+/* A face at `a` that contains `b`, or GD_NONE. */
+static uint32_t face_beside(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+{
+    uint32_t begin = 2 * a->element, end = begin + 2;
+    if (a->kind == GD_POINT_FACE) return contains(mesh, a->element, b) ? a->element : GD_NONE;
+    if (a->kind == GD_POINT_VERTEX) begin = mesh->fan_first[a->element], end = mesh->fan_first[a->element + 1];
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t face = mesh->side_face[a->kind == GD_POINT_VERTEX ? mesh->fan[i].side : i];
+        if (contains(mesh, face, b)) return face;
+    }
+    return GD_NONE;
+}
+
+static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point)
+{
+    uint32_t face = mesh->side_face[side];
+    double w[3];
+    gd__point_weights(mesh, point, face, w);
+    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    return gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
+}
+
+/* --- the strip ----------------------------------------------------------------------------------------------------------- */
+
+/* Over a side of the face; false: the face across does not lie there. */
+static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edge)
+{
+    const struct gd_side *s = &mesh->side[laid->side];
+    struct gd__local turn;
+    if (s->left >> 1 == edge) {
+        turn = (struct gd__local){s->left_x, s->left_y};
+        laid->side = s->left;
+    } else if (s->right >> 1 == edge) {
+        struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
+        laid->origin = place(laid, apex);
+        turn = (struct gd__local){s->right_x, s->right_y};
+        laid->side = s->right;
+    } else {
+        laid->origin = place(laid, (struct gd__local){s->length, 0});
+        turn = (struct gd__local){-1, 0};
+        laid->side ^= 1;
+    }
+    struct gd__local u = laid->along;
+    laid->along = (struct gd__local){u.x * turn.x - u.y * turn.y, u.x * turn.y + u.y * turn.x};
+    return laid->side >> 1 == edge && mesh->side_face[laid->side] != GD_NONE;
+}
+
+enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
+                          struct gd__straight *out)
+{
+    uint32_t face = face_beside(mesh, &points[0], &points[1]);
+    if (face == GD_NONE) return GD_INTERNAL;
+    uint32_t first = mesh->face_side[face][0];
+    struct laid laid = {first, {0, 0}, {1, 0}};
+    for (uint32_t i = 1; i + 1 < count; i++)
+        if (!lay_next(mesh, &laid, points[i].element)) return GD_INTERNAL;
+    if (!contains(mesh, mesh->side_face[laid.side], &points[count - 1])) return GD_INTERNAL;
+    struct gd__local from = local_of(mesh, first, &points[0]),
+                     to = place(&laid, local_of(mesh, laid.side, &points[count - 1])), u = laid.along;
+    double x = to.x - from.x, y = to.y - from.y, length = hypot(x, y);
+    if (length == 0) x = 1; /* any direction: the turns are of the same one */
+    *out = (struct gd__straight){
+        .length = length,
+        .ahead = gd__turn_in_face(mesh, &points[0], first, x, y),
+        .back = gd__turn_in_face(mesh, &points[count - 1], laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
+    return GD_OK;
+}

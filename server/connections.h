@@ -1,0 +1,57 @@
+/* Connections: what is known of each while it is open, and when it is cut.
+ *
+ * The HTTP library closes a connection on which nothing has come or gone for a while; a client that sends or takes a byte now and
+ * then keeps it for ever. So a request's headers and an answer have absolute deadlines too, after which the connection is cut by a
+ * thread of its own (bodies: body.h). */
+#ifndef SERVER_CONNECTIONS_H
+#define SERVER_CONNECTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "server/grammar.h"
+
+struct server_connections;
+
+/* One connection. It belongs to the HTTP thread that serves it. */
+struct server_connection {
+    struct server_grammar grammar; /* of what has come in */
+    const char *ending;            /* what the library is still to be given of a faulty request's; NULL: nothing */
+    uint64_t requests;             /* whose target the library has read */
+    bool is_busy;                  /* between a request's headers and the last byte of its answer */
+    bool is_encrypted;
+};
+
+struct server_connections_statistics {
+    uint64_t open, cut, faults; /* now; since the start: past a deadline, and with a request that is no HTTP */
+};
+
+/* Starts its thread. NULL without memory or thread. */
+struct server_connections *server_connections_create(void);
+
+/* When no connection is open. NULL is harmless. */
+void server_connections_destroy(struct server_connections *connections);
+
+/* Cuts those whose deadline is before that time. What the thread does every second; thread-safe. */
+void server_connections_cut(struct server_connections *connections, uint64_t now_ns);
+
+/* A new connection, whose socket is watched from now on (wire.h). NULL without memory. */
+struct server_connection *server_connections_open(struct server_connections *connections, int descriptor,
+                                                  bool is_encrypted);
+
+/* To be called before the socket is closed. */
+void server_connections_close(struct server_connection *connection);
+
+/* Bytes have come in and were followed by the grammar. */
+void server_connection_received(struct server_connection *connection);
+
+/* Headers were read; the answer, of `size` bytes, is on its way, or a stream that ends when it ends; it is over. */
+void server_connection_begin(struct server_connection *connection);
+void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream);
+void server_connection_end(struct server_connection *connection);
+
+/* Thread-safe. NULL: nothing. */
+struct server_connections_statistics server_connections_statistics(struct server_connections *connections);
+
+#endif

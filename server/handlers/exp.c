@@ -1,0 +1,199 @@
+/* Exp: where the straightest geodesics of vectors at a point lead, by a worker. */
+#include "server/handlers/handlers.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "proto/trace.h"
+#include "proto/vector.h"
+#include "server/handlers/draft.h"
+#include "server/handlers/query.h"
+#include "server/server.h"
+
+#define WHAT "the trace"
+
+struct exp_map {
+    struct server_query query; /* first */
+    struct proto_exp wanted;   /* its factors are used up in decoding */
+    struct gd_point start;
+    double snap; /* how far it was moved; NAN: not at all */
+    struct gd_vector *
+        segments; /* of all vectors, by wanted.vectors.first; of those after a vector's first only the angle is known */
+    struct gd_point *ends;
+    struct server_draft draft;
+    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for one path */
+};
+
+static void release(struct server_query *query)
+{
+    struct exp_map *map = (struct exp_map *)query;
+    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, map->held);
+    server_draft_end(&map->draft);
+    proto_vectors_free(&map->wanted.vectors);
+    free(map->segments);
+    free(map->ends);
+}
+
+/* --- the question ------------------------------------------------------------------------------------------------- */
+
+static bool locate_vector(struct exp_map *map, uint32_t i, struct proto_problem *problem)
+{
+    const struct proto_vectors *vectors = &map->wanted.vectors;
+    uint32_t first = vectors->first[i];
+    if (!proto_segment_locate(map->query.surface->mesh, &map->start, &vectors->segments[first], &map->segments[first],
+                              problem))
+        return false;
+    for (uint32_t k = first + 1; k < vectors->first[i + 1]; k++) {
+        const struct proto_segment *segment = &vectors->segments[k];
+        if (!segment->direction.has_angle)
+            return proto_problem_refuse(problem, segment->direction.place,
+                                        "after the first one a segment takes an angle: where it begins is known only "
+                                        "on the way");
+        map->segments[k] = (struct gd_vector){{.angle = segment->direction.angle}, segment->length};
+    }
+    return true;
+}
+
+static bool locate_vectors(struct exp_map *map, struct proto_problem *problem)
+{
+    struct proto_vectors *vectors = &map->wanted.vectors;
+    map->segments = malloc(vectors->first[vectors->count] * sizeof *map->segments);
+    map->ends = malloc(vectors->count * sizeof *map->ends);
+    if (!map->segments || !map->ends) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < vectors->count; i++)
+        if (!locate_vector(map, i, problem)) return false;
+    if (!vectors->factors) return true;
+    map->segments[0] =
+        gd_vector_combine(map->query.surface->mesh, &map->start, map->segments, vectors->factors, vectors->count);
+    vectors->count = 1;
+    return true;
+}
+
+static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
+{
+    struct exp_map *map = (struct exp_map *)query;
+    server_draft_begin(&map->draft, query);
+    return proto_exp_decode(document, &map->wanted, problem) &&
+           proto_point_locate(query->surface->mesh, &map->wanted.start, &map->start, &map->snap, problem) &&
+           locate_vectors(map, problem);
+}
+
+/* --- the answer --------------------------------------------------------------------------------------------------- */
+
+static enum gd_status reserve(struct exp_map *map)
+{
+    size_t bytes = 2 * (size_t)PROTO_TRACE_STEPS * sizeof(struct gd_point);
+    if (!server_budget_take(&map->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
+    map->held = bytes;
+    return GD_OK;
+}
+
+static bool fail(const struct exp_map *map, enum gd_status status, const struct gd_detail *detail,
+                 struct proto_problem *problem)
+{
+    if (status == GD_NOT_ON_SURFACE || status == GD_INVALID_ARGUMENT) {
+        proto_problem_from_status(problem, status, detail);
+        return proto_problem_at(problem, "/vectors");
+    }
+    server_query_fail(&map->query, status, WHAT, problem);
+    return false;
+}
+
+static bool write_path(struct exp_map *map, uint32_t i, struct proto_problem *problem)
+{
+    static const struct gd_trace_options options = {.step_limit = PROTO_TRACE_STEPS};
+    const struct gd_mesh *mesh = map->query.surface->mesh;
+    const struct proto_vectors *vectors = &map->wanted.vectors;
+    uint32_t first = vectors->first[i], count = vectors->first[i + 1] - first;
+    struct server_monitor part = server_query_monitor(&map->query, (double)i / vectors->count, 1.0 / vectors->count);
+    const struct gd_control control = server_exchange_control(&part);
+    struct gd_detail detail = {0};
+    struct gd_trace trace;
+    enum gd_status status =
+        gd_vector_exp(mesh, &map->start, &map->segments[first], count, &options, &control, &trace, &detail);
+    if (status) return fail(map, status, &detail, problem);
+    map->ends[i] = trace.path.points[trace.path.count - 1];
+    if (map->query.options.fields & PROTO_EXP_FIELD_PATHS)
+        proto_trace_encode(&map->draft.writer, mesh, &trace, map->query.options.geometry);
+    gd_trace_free(&trace);
+    status = server_draft_hold(&map->draft);
+    if (!status) status = gd_control_check(&control, 1);
+    return !status || fail(map, status, &detail, problem);
+}
+
+static bool write_paths(struct exp_map *map, struct proto_problem *problem)
+{
+    struct proto_writer *writer = &map->draft.writer;
+    bool is_wanted = map->query.options.fields & PROTO_EXP_FIELD_PATHS, ok = true;
+    if (is_wanted) proto_write_key(writer, "paths");
+    if (is_wanted) proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < map->wanted.vectors.count && ok; i++) ok = write_path(map, i, problem);
+    if (is_wanted) proto_write_array_end(writer);
+    return ok;
+}
+
+static void write_vectors(struct exp_map *map)
+{
+    struct proto_writer *writer = &map->draft.writer;
+    const struct proto_vectors *vectors = &map->wanted.vectors;
+    proto_write_key(writer, "vectors");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < vectors->count; i++) {
+        double length = 0;
+        for (uint32_t k = vectors->first[i]; k < vectors->first[i + 1]; k++) length += map->segments[k].length;
+        proto_vector_encode(writer, &map->segments[vectors->first[i]].direction, length);
+    }
+    proto_write_array_end(writer);
+}
+
+static void write_points(struct exp_map *map)
+{
+    struct proto_writer *writer = &map->draft.writer;
+    proto_write_key(writer, "points");
+    proto_write_array_begin(writer);
+    for (uint32_t i = 0; i < map->wanted.vectors.count; i++)
+        proto_point_encode(writer, map->query.surface->mesh, &map->ends[i], NAN);
+    proto_write_array_end(writer);
+}
+
+static bool write_answer(struct exp_map *map, struct proto_problem *problem)
+{
+    struct proto_writer *writer = &map->draft.writer;
+    uint32_t fields = map->query.options.fields;
+    proto_write_object_begin(writer);
+    if (fields & PROTO_EXP_FIELD_START) {
+        proto_write_key(writer, "start");
+        proto_point_encode(writer, map->query.surface->mesh, &map->start, map->snap);
+    }
+    if (fields & PROTO_EXP_FIELD_VECTORS) write_vectors(map);
+    if (!write_paths(map, problem)) return false;
+    if (fields & PROTO_EXP_FIELD_POINTS) write_points(map);
+    proto_write_object_end(writer);
+    return proto_writer_check(writer, problem);
+}
+
+static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
+{
+    struct exp_map *map = (struct exp_map *)query;
+    enum gd_status status = reserve(map);
+    if (status) return server_query_fail(query, status, WHAT, problem);
+    return write_answer(map, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+}
+
+static void encode(const struct server_query *query, struct proto_writer *writer)
+{
+    server_draft_encode(&((const struct exp_map *)query)->draft, writer);
+}
+
+static const struct server_query_kind exp_kind = {.name = "exp",
+                                                  .size = sizeof(struct exp_map),
+                                                  .fields = proto_exp_fields,
+                                                  .decode = decode,
+                                                  .solve = solve,
+                                                  .encode = encode,
+                                                  .release = release};
+
+void server_handle_exp(struct server_exchange *exchange)
+{
+    server_query_handle(exchange, &exp_kind);
+}

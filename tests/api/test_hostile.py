@@ -1,0 +1,443 @@
+"""Hostile HTTP: requests that two readers could understand differently, clients that are slow on purpose, bodies that unpack to
+too much, and that what is right goes on being answered, in order, on the same connections."""
+import concurrent.futures
+import gzip
+import hashlib
+import io
+import json
+import re
+import socket
+import time
+import unittest
+import zlib
+
+from harness import PATIENCE_SECONDS, SQUARE, Daemon, TestCase
+
+HOST = b"Host: localhost\r\n"
+GET = b"GET /v1 HTTP/1.1\r\n" + HOST
+PUT = b"PUT /v1/meshes/attack HTTP/1.1\r\n" + HOST
+POST = b"POST /v1/meshes/square/distance HTTP/1.1\r\n" + HOST
+CHUNKED = b"Transfer-Encoding: chunked\r\n"
+HIDDEN = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
+
+
+def chunks(*pieces):
+    return b"".join(b"%x\r\n%b\r\n" % (len(piece), piece) for piece in pieces) + b"0\r\n\r\n"
+
+
+def lines(first, *headers):
+    return b"".join(line + b"\r\n" for line in (first, *headers)) + b"\r\n"
+
+
+def both(head, *codings):
+    """The length says that the body ends before what is hidden, the coding that it is hidden, and the other way round."""
+    for coding in codings:
+        yield head + b"Content-Length: 5\r\n" + coding + b"\r\n\r\n0\r\n\r\n"
+        yield head + coding + b"\r\nContent-Length: 5\r\n\r\n0\r\n\r\n"
+
+
+# What stands before a request that must not be seen, by the reason for which it is refused.
+ATTACKS = {
+    "length and coding": [
+        *both(PUT, b"Transfer-Encoding: chunked", b"transfer-encoding: Chunked", b"Transfer-Encoding:chunked",
+              b"Transfer-Encoding:\tchunked", b"Transfer-Encoding: identity", b"Transfer-Encoding: chunked, identity"),
+        *both(POST, b"Transfer-Encoding: chunked", b"Transfer-Encoding: gzip, chunked"),
+        *both(GET, b"Transfer-Encoding: chunked"),
+    ],
+    "codings that hide": [
+        head + coding + b"\r\n\r\n" + chunks(b"hello")
+        for head in (PUT, GET)
+        for coding in (
+            b"Transfer-Encoding : chunked", b"Transfer-Encoding\t: chunked", b" Transfer-Encoding: chunked",
+            b"Transfer-Encoding:\r\n chunked", b"Transfer-Encoding:\n chunked", b"Transfer-Encoding: chunked ",
+            b"Transfer-Encoding: chunked\t", b"Transfer-Encoding: \x0bchunked", b"Transfer-Encoding: \x0cchunked",
+            b"Transfer-Encoding: \x00chunked", b"Transfer-Encoding: chunked\x00", b"Transfer-Encoding: xchunked",
+            b"Transfer-Encoding: chunkedx", b"Transfer-Encoding: \"chunked\"", b"Transfer-Encoding: chunked;a=b",
+            b"Transfer-Encoding: chunked, chunked", b"Transfer-Encoding: ,chunked", b"Transfer-Encoding: chunked,",
+            b"Transfer-Encoding: gzip", b"Transfer-Encoding: identity", b"Transfer-Encoding: chunk", b"Transfer-Encoding:",
+            b"Transfer-Encoding: chunked\r\nTransfer-Encoding: identity",
+            b"Transfer-Encoding: identity\r\nTransfer-Encoding: chunked",
+            b"Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", b"X: y\rTransfer-Encoding: chunked",
+            b"X: y\nTransfer-Encoding: chunked", b"X: y\r\n\tTransfer-Encoding: chunked", b"Transfer-Encoding: \xe3\x8f\x8f",
+            b"Transfer\xadEncoding: chunked", b"Transfer-Encoding\x00: chunked", b"Foo: bar\r\n\rTransfer-Encoding: chunked")
+    ],
+    "lengths": [
+        head + length + b"\r\n\r\nhello"
+        for head in (PUT, GET)
+        for length in (
+            b"Content-Length: 5\r\nContent-Length: 5", b"Content-Length: 5\r\nContent-Length: 0",
+            b"Content-Length: 0\r\nContent-Length: 5", b"Content-Length: 5\r\ncontent-length: 6", b"Content-Length: 5, 5",
+            b"Content-Length: 5,", b"Content-Length: +5", b"Content-Length: -5", b"Content-Length: 0x5", b"Content-Length: 5.0",
+            b"Content-Length: 5e0", b"Content-Length: 5 5", b"Content-Length: 5 ", b"Content-Length: 5;", b"Content-Length: '5'",
+            b"Content-Length:", b"Content-Length: ", b"Content-Length: five", b"Content-Length : 5", b"Content-Length\t: 5",
+            b" Content-Length: 5", b"Content-Length:\r\n 5", b"Content-Length: 5\r\n 5", b"Content-Length: \x0b5",
+            b"Content-Length: 5\x00", b"Content-Length: \xd9\xa5", b"Content-Length: 18446744073709551621",
+            b"Content-Length: 9223372036854775808", b"Content-Length: 00000000000000000005", b"X: y\nContent-Length: 5",
+            b"X: y\rContent-Length: 5")
+    ],
+    "chunks": [
+        PUT + CHUNKED + b"\r\n" + body
+        for body in (
+            b"0x5\r\nhello\r\n0\r\n\r\n", b"+5\r\nhello\r\n0\r\n\r\n", b"-5\r\nhello\r\n0\r\n\r\n", b" 5\r\nhello\r\n0\r\n\r\n",
+            b"5 \r\nhello\r\n0\r\n\r\n", b"5\t\r\nhello\r\n0\r\n\r\n", b"5,\r\nhello\r\n0\r\n\r\n", b"5.\r\nhello\r\n0\r\n\r\n",
+            b"g\r\nhello\r\n0\r\n\r\n", b"\r\nhello\r\n0\r\n\r\n", b";a=b\r\nhello\r\n0\r\n\r\n", b"5\nhello\r\n0\r\n\r\n",
+            b"5\r\nhello\n0\r\n\r\n", b"5\r\nhello\r0\r\n\r\n", b"5\rhello\r\n0\r\n\r\n", b"5\r\nhello0\r\n\r\n",
+            b"5\r\nhelloXX\r\n0\r\n\r\n", b"4\r\nhello\r\n0\r\n\r\n", b"5\r\nhello\r\n0\r\n\n", b"5\r\nhello\r\n0\n\r\n",
+            b"5\r\nhello\r\n0\n\n", b"5\r\nhello\r\n0\r\n\rX", b"10000000000000005\r\nhello\r\n0\r\n\r\n",
+            b"00000000000000005\r\nhello\r\n0\r\n\r\n", b"5;a=\x01\r\nhello\r\n0\r\n\r\n", b"5;a\nb\r\nhello\r\n0\r\n\r\n",
+            b"5;\n5\r\nhello\r\n0\r\n\r\n", b"5;" + b"a" * 2000 + b"\r\nhello\r\n0\r\n\r\n",
+            b"5\r\nhello\r\n0\r\nContent-Length: 5\r\n\r\n", b"5\r\nhello\r\n0\r\nTransfer-Encoding: chunked\r\n\r\n",
+            b"5\r\nhello\r\n0\r\nHost: other\r\n\r\n", b"5\r\nhello\r\n0\r\nX : y\r\n\r\n", b"5\r\nhello\r\n0\r\nX: y\r\n z\r\n\r\n",
+            b"5\r\nhello\r\n0\r\nX: y\n\n", b"5\r\nhello\r\n0\r\n: y\r\n\r\n")
+    ],
+    "lines": [
+        b"GET /v1 HTTP/1.1\nHost: localhost\n\n", b"GET /v1 HTTP/1.1\n" + HOST + b"\r\n", GET + b"\n", GET + b"X: y\n\r\n",
+        GET + b"X: y\n\n", GET + b"\r\r\n", GET + b"X: y\r\r\n\r\n", b"\n\n" + GET + b"\r\n", b"\r\n\r\n\r\n" + GET + b"\r\n",
+        b"\x00" + GET + b"\r\n", b" " + GET + b"\r\n", GET + b"X: y\r\n z\r\n\r\n",
+        GET + b"X:\r\n\ty\r\n\r\n", GET + b" \r\n\r\n", GET + b"rubbish\r\n\r\n", GET + b": y\r\n\r\n", GET + b"X Y: z\r\n\r\n",
+        GET + b"X : y\r\n\r\n", GET + b"X\x00: y\r\n\r\n", GET + b"X\x7f: y\r\n\r\n", GET + b"X\xff: y\r\n\r\n",
+        GET + b"(X): y\r\n\r\n", GET + b"X: y\x00z\r\n\r\n", GET + b"X: y\x08z\r\n\r\n", GET + b"X: y\x7f\r\n\r\n",
+        GET + b"X: y\rZ: w\r\n\r\n",
+    ],
+    "request lines": [
+        lines(line, b"Host: localhost")
+        for line in (
+            b"GET  /v1 HTTP/1.1", b"GET /v1  HTTP/1.1", b"GET\t/v1\tHTTP/1.1", b"GET /v1 HTTP/1.1 ", b"GET /v1 HTTP/1.1\t",
+            b"GET /v1 HTTP/1.1 HTTP/1.1", b"GET /a b HTTP/1.1", b"GET /v1", b"GET", b"GET /v1 ", b"GET HTTP/1.1", b"/v1 HTTP/1.1",
+            b"GET /v1 HTTP/1.2", b"GET /v1 HTTP/1.10", b"GET /v1 HTTP/01.1", b"GET /v1 HTTP/11", b"GET /v1 HTTP/2.0",
+            b"GET /v1 HTTP/0.9", b"GET /v1 HTTP/3", b"GET /v1 http/1.1", b"GET /v1 HTTPS/1.1", b"GET /v1 XTTP/1.1",
+            b"GET /v1 HTTP/1,1", b"GET /v1 HTTP 1.1", b"GET /v1\x00 HTTP/1.1", b"GET /v1\x01 HTTP/1.1", b"GET /v1\x7f HTTP/1.1",
+            b"GET /v1\xc3\xa9 HTTP/1.1", b"GET /v1#x HTTP/1.1", b"G(T /v1 HTTP/1.1", b"G\x00T /v1 HTTP/1.1", b"G\xc3T /v1 HTTP/1.1",
+            b"PRI * HTTP/2.0", b"A" * 100 + b" /v1 HTTP/1.1", b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03")
+    ],
+    "hosts": [
+        lines(b"GET /v1 HTTP/1.1"), lines(b"GET /v1 HTTP/1.1", b"Host: localhost", b"Host: localhost"),
+        lines(b"GET /v1 HTTP/1.1", b"Host: localhost", b"host: evil.example"),
+        lines(b"GET /v1 HTTP/1.1", b"Host : localhost"), lines(b"GET /v1 HTTP/1.1", b" Host: localhost"),
+    ],
+    "old versions": [
+        b"PUT /v1/meshes/attack HTTP/1.0\r\n" + HOST + CHUNKED + b"\r\n" + chunks(b"hello"),
+        b"PUT /v1/meshes/attack HTTP/1.0\r\n" + HOST + b"Connection: keep-alive\r\n" + CHUNKED + b"\r\n" + chunks(b"hello"),
+    ],
+}
+
+
+class Smuggling(TestCase):
+    def answers(self, received):
+        return [status for status in re.findall(rb"HTTP/1\.1 (\d{3}) ", received) if status != b"100"]
+
+    def attack(self, text):
+        """The statuses of what is answered. The connection has to be closed at once: what follows is not to be read."""
+        with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+            connection.sendall(text)
+            received = b""
+            try:
+                while data := connection.recv(65536):
+                    received += data
+            except ConnectionResetError:
+                pass
+            return self.answers(received)
+
+    def assert_nothing_happened(self):
+        seen = [line for line in self.daemon.log if "smuggled" in line.get("path", "")]
+        self.assertFalse(seen)
+        self.assertEqual(self.daemon.get("/v1/meshes").json["meshes"], [])
+
+    def test_nothing_is_accepted(self):
+        attacks = [(reason, text) for reason, texts in ATTACKS.items() for text in texts]
+        self.assertGreaterEqual(len(attacks), 100)
+        self.assertEqual(len({text for _, text in attacks}), len(attacks))
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            answered = list(pool.map(lambda attack: self.attack(attack[1] + HIDDEN), attacks))
+        accepted = [(reason, text, answers) for (reason, text), answers in zip(attacks, answered) if answers not in ([b"400"], [])]
+        self.assertEqual(accepted, [])
+        silent = sum(answers == [] for answers in answered)
+        self.assertLess(silent, 8)  # what breaks off within the extension of a chunk is hung up on
+        self.assert_nothing_happened()
+        print(f"      {len(attacks)} cases, {len(attacks) - silent} answered with 400, {silent} hung up on, 0 accepted")
+
+    def test_nothing_is_accepted_byte_by_byte(self):
+        """However the bytes come in, they are followed in the same way."""
+        attacks = [text for texts in ATTACKS.values() for text in texts[::4] if len(text) < 400]
+
+        def dribble(text):
+            received = b""
+            with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                try:
+                    for at in range(len(text)):
+                        connection.sendall(text[at : at + 1])
+                        time.sleep(0.0003)
+                    while data := connection.recv(65536):
+                        received += data
+                except (BrokenPipeError, ConnectionResetError):
+                    pass
+            return self.answers(received)
+
+        with concurrent.futures.ThreadPoolExecutor(16) as pool:
+            answered = list(pool.map(lambda text: dribble(text + HIDDEN), attacks))
+        self.assertEqual([pair for pair in zip(attacks, answered) if pair[1] not in ([b"400"], [])], [])
+        self.assert_nothing_happened()
+
+    def test_what_came_before_is_answered(self):
+        """A fault spoils the request in which it is, and those behind it, not those before it."""
+        good = b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        for bad in (b"GET /v1 HTTP/1.1\nHost: localhost\n\n", GET + b"X : y\r\n\r\n", b"rubbish\r\n\r\n"):
+            self.assertEqual(self.attack(good * 3 + bad + HIDDEN), [b"200"] * 3 + [b"400"])
+        self.assert_nothing_happened()
+
+    def test_the_fault_is_named(self):
+        for text, words in ((GET + b"X : y\r\n\r\n", "colon"), (GET + b"X: y\r\n z\r\n\r\n", "folded"),
+                            (PUT + b"Content-Length: 5\r\nContent-Length: 5\r\n\r\n", "twice"), (b"GET /v1 HTTP/2.0\r\n\r\n", "version")):
+            received = self.daemon.raw(text)
+            self.assertIn(b"application/problem+json", received)
+            self.assertIn(words, json.loads(received.partition(b"\r\n\r\n")[2])["detail"])
+
+    def test_what_is_right_goes_on(self):
+        """Strange, but HTTP."""
+        for text in (b"\r\n" + GET + b"\r\n", GET + b"X:\r\nY: \t z \r\nZ: \xe9\r\n\r\n", b"HEAD /livez HTTP/1.0\r\n\r\n",
+                     GET.replace(b"Host", b"hOsT") + b"\r\n", GET + b"Content-Length: 0\r\n\r\n"):
+            last = text[:-2] + b"Connection: close\r\n\r\n"
+            self.assertEqual(self.answers(self.daemon.raw(last)), [b"200"], text)
+        for body in (b"30;ext=\"a b\"\r\n%b\r\n0\r\nTrailer: x\r\n\r\n", b"0030\r\n%b\r\n0\r\n\r\n", b"30\r\n%b\r\n000\r\n\r\n"):
+            self.assertEqual(len(SQUARE), 0x30)
+            head = PUT.replace(b"attack", b"right") + CHUNKED + b"Connection: close\r\n\r\n"
+            self.assertIn(self.answers(self.daemon.raw(head + body % SQUARE)), ([b"201"], [b"200"]))
+        self.assertEqual(self.daemon.request("DELETE", "/v1/meshes/right").status, 204)
+
+    def test_malformed_requests_are_counted(self):
+        before = self.daemon.metric("malformed_requests_total")
+        self.attack(GET + b"X : y\r\n\r\n")
+        self.assertEqual(self.daemon.metric("malformed_requests_total"), before + 1)
+
+
+class KeepAlive(TestCase):
+    def test_uploads_and_questions_in_one_go(self):
+        """Fifty requests of all sorts, sent at once, in pieces of every length: answered in order, each once."""
+        def request(number):
+            mark = b"X-Request-Id: n%d\r\n" % number
+            size = b"Content-Length: %d\r\n\r\n" % len(SQUARE)
+            return (b"PUT /v1/meshes/m HTTP/1.1\r\n" + HOST + mark + size + SQUARE,
+                    b"PUT /v1/meshes/m HTTP/1.1\r\n" + HOST + mark + CHUNKED + b"\r\n" + chunks(SQUARE[:7], SQUARE[7:]),
+                    b"GET /v1/meshes/m/distance?from=v:0&to=v:2 HTTP/1.1\r\n" + HOST + mark + b"\r\n",
+                    b"HEAD /v1/meshes/m HTTP/1.1\r\n" + HOST + mark + b"\r\n",
+                    b"GET /nowhere HTTP/1.1\r\n" + HOST + mark + b"\r\n")[number % 5]
+
+        text = b"".join(request(number) for number in range(50))
+        for piece in (len(text), 1000, 97, 11):
+            with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+                for at in range(0, len(text), piece):
+                    connection.sendall(text[at : at + piece])
+                received = b""
+                while received.count(b"X-Request-Id: ") < 50:
+                    received += connection.recv(65536)
+            ids = [line.split()[1] for line in received.split(b"\r\n") if line.startswith(b"X-Request-Id")]
+            self.assertEqual(ids, [b"n%d" % number for number in range(50)])
+
+    def test_errors_keep_the_connection(self):
+        connection = self.daemon.connect()
+        for method, path, status in (("GET", "/nowhere", 404), ("POST", "/v1", 405), ("GET", "/v1?x=1", 400), ("PATCH", "/v1/meshes", 405),
+                                     ("OPTIONS", "/v1", 204), ("HEAD", "/v1", 200), ("GET", "/livez", 200)):
+            answer = self.daemon.request(method, path, connection=connection)
+            self.assertEqual((answer.status, answer.headers["Connection"]), (status, None), (method, path))
+        connection.close()
+
+    def test_head_and_allow(self):
+        for path in ("/v1", "/livez", "/v1/meshes", "/metrics", "/", "/app.js"):
+            head, get = self.daemon.request("HEAD", path), self.daemon.get(path)
+            self.assertEqual((head.status, head.body), (200, b""))
+            self.assertEqual(head.headers["Content-Type"], get.headers["Content-Type"])
+        answer = self.daemon.request("PATCH", "/v1/meshes/x")
+        self.assert_problem(answer, 405, "method_not_allowed")
+        self.assertEqual(answer.headers["Allow"], "GET, HEAD, PUT, DELETE")
+
+    def test_security_headers(self):
+        for path in ("/", "/v1", "/nowhere", "/app.js"):
+            headers = self.daemon.get(path).headers
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertIn("frame-ancestors 'none'", headers["Content-Security-Policy"])
+        for path in ("/", "/app.js"):
+            headers = self.daemon.get(path).headers
+            self.assertEqual(headers["Referrer-Policy"], "no-referrer")
+            self.assertEqual(headers["Cross-Origin-Resource-Policy"], "same-origin")
+
+
+class Sizes(TestCase):
+    flags = ("--max-body", "64KiB")
+
+    def head(self, extra):
+        return b"PUT /v1/meshes/x HTTP/1.1\r\n" + HOST + extra + b"\r\n"
+
+    def test_an_announced_body_is_refused_before_it_comes(self):
+        received = self.daemon.raw(self.head(b"Content-Length: 65537\r\nExpect: 100-continue\r\n"))
+        self.assertTrue(received.startswith(b"HTTP/1.1 413 "), received)
+        self.assertNotIn(b"100 Continue", received)
+        self.assertEqual(received.count(b"HTTP/1.1 "), 1)
+        received = self.daemon.raw(self.head(b"Content-Length: 65536\r\nExpect: 100-continue\r\n"))
+        self.assertTrue(received.startswith(b"HTTP/1.1 100 Continue\r\n\r\n"), received)
+
+    def test_long_targets_and_headers(self):
+        for text in (b"GET /" + b"a" * 300000 + b" HTTP/1.1\r\n" + HOST + b"\r\n", GET + b"X: " + b"y" * 300000 + b"\r\n\r\n",
+                     GET + b"X" * 300000, GET + b"X: y\r\n" * 100000, b"\r\n" * 100000, b"A" * 100000,
+                     GET + b"".join(b"X-%d: y\r\n" % number for number in range(64)) + b"\r\n"):
+            received = self.daemon.raw(text)
+            self.assertIn(received[9:12], (b"400", b"414", b"431", b""), received[:100])
+        self.assertEqual(self.daemon.get("/livez").status, 200)
+
+    def put_packed(self, body, **headers):
+        return self.daemon.put("packed", body, Content_Encoding="gzip", **headers)
+
+    def test_packed_bodies(self):
+        self.assertIn(self.put_packed(gzip.compress(SQUARE)).status, (200, 201))
+        self.assertEqual(self.daemon.get("/v1/meshes/packed").json["sha256"], hashlib.sha256(SQUARE).hexdigest())
+        self.assertEqual(self.put_packed(gzip.compress(SQUARE[:9]) + gzip.compress(SQUARE[9:])).status, 200)
+        self.assertEqual(self.put_packed(iter([gzip.compress(SQUARE)])).status, 200)
+        question = gzip.compress(b'{"from": {"vertex": 0}, "to": {"vertex": 2}}')
+        headers = {"Content-Encoding": "gzip", "Content-Type": "application/json"}
+        for extra in ({}, {"Prefer": "respond-async"}):
+            answer = self.daemon.request("POST", "/v1/meshes/packed/distance", question, {**headers, **extra})
+            self.assertIn(answer.status, (200, 202), answer)
+
+    def test_packed_bodies_that_are_none(self):
+        packed = gzip.compress(SQUARE)
+        for body in (SQUARE, b"", packed[:-1], packed[:10], packed + b"x", packed[:-8] + bytes(8), zlib.compress(SQUARE)):
+            self.assert_problem(self.put_packed(body), 400, "invalid_request")
+        for coding in ("br", "deflate", "zstd", "gzip, gzip", "compress", ""):
+            answer = self.daemon.put("packed", packed, Content_Encoding=coding)
+            self.assert_problem(answer, 415, "unsupported_media_type")
+        self.assertEqual(self.daemon.put("plain", SQUARE, Content_Encoding="identity").status, 201)
+
+    def test_bombs(self):
+        fits = self.put_packed(gzip.compress(SQUARE + b"#" * (65536 - len(SQUARE))))
+        self.assertNotIn(fits.status, (400, 413), fits)
+        problem = self.assert_problem(self.put_packed(gzip.compress(SQUARE + b"#" * 65536)), 413, "too_large")
+        self.assertEqual(problem["limit"], 65536)
+        layers = gzip.compress(gzip.compress(bytes(10 << 20)))
+        self.assertIn(self.put_packed(layers).status, (413, 422))
+
+
+class Bombs(TestCase):
+    """With a large limit the ratio counts."""
+
+    flags = ("--memory-budget", "256MiB", "--max-body", "200MiB")
+
+    def test_ratio(self):
+        packed = io.BytesIO()
+        with gzip.GzipFile(fileobj=packed, mode="wb") as file:
+            for _ in range(100):
+                file.write(bytes(1 << 20))
+        self.assertLess(len(packed.getvalue()), 200000)
+        started = time.monotonic()
+        answer = self.daemon.put("bomb", packed.getvalue(), Content_Encoding="gzip")
+        self.assertIn("attack", self.assert_problem(answer, 413, "too_large")["detail"])
+        self.assertLess(time.monotonic() - started, 5)
+        self.assertEqual(self.daemon.get("/livez").status, 200)
+
+
+class Slow(TestCase):
+    """Clients that keep their connection busy without getting anywhere are cut by absolute deadlines, all at the same time here."""
+
+    flags = ("--http-threads", "1")
+
+    def drip(self, start, byte, interval):
+        """Sends the start and then a byte now and then; how long until the daemon has had enough."""
+        with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+            started = time.monotonic()
+            connection.sendall(start)
+            connection.settimeout(interval)
+            while time.monotonic() - started < 50:
+                try:
+                    if not connection.recv(4096):
+                        break
+                except TimeoutError:
+                    pass
+                except ConnectionError:
+                    break
+                try:
+                    connection.sendall(byte)
+                except ConnectionError:
+                    break
+            return time.monotonic() - started
+
+    def test_slow_clients(self):
+        clients = {
+            "a request line": (b"GET /", b"a", 1),
+            "headers": (GET + b"X: ", b"y", 1),
+            "many headers": (GET, b"X: y\r\n", 2),
+            "the second request": (b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\nG", b"E", 1),
+            "empty lines": (b"\r", b"\n", 60),
+            "silence": (b"", b"", 60),
+            "a body": (PUT + b"Content-Length: 60000\r\n\r\n", b"v", 1),
+            "chunks": (PUT + CHUNKED + b"\r\n", b"1\r\nv\r\n", 1),
+        }
+        with concurrent.futures.ThreadPoolExecutor(len(clients) * 8) as pool:
+            asked = {name: [pool.submit(self.drip, *client) for _ in range(8)] for name, client in clients.items()}
+            times = {name: [future.result() for future in futures] for name, futures in asked.items() if time.sleep(0.01) is None}
+        for name, seconds in times.items():
+            self.assertLess(max(seconds), 40, name)
+            if name != "the second request":
+                self.assertGreater(min(seconds), 25, name)
+        self.assertGreaterEqual(self.daemon.metric("connections_cut_total"), 24)
+        until = time.monotonic() + PATIENCE_SECONDS
+        while self.daemon.metric("connections") > 1:
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.05)
+
+    def test_others_are_served_meanwhile(self):
+        crowd = [socket.create_connection(("127.0.0.1", self.daemon.port)) for _ in range(200)]
+        for connection in crowd:
+            connection.sendall(GET + b"X: ")
+        started = time.monotonic()
+        for _ in range(100):
+            self.assertEqual(self.daemon.get("/livez").status, 200)
+        self.assertLess(time.monotonic() - started, 5)
+        for connection in crowd:
+            connection.close()
+
+
+class Crowds(unittest.TestCase):
+    def test_connections_of_one_address(self):
+        with Daemon("--max-address-connections", "10") as daemon:
+            crowd = [socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) for _ in range(10)]
+            for connection in crowd:
+                connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 200 "))
+            with socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) as one_too_many:
+                try:
+                    one_too_many.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                    self.assertEqual(one_too_many.recv(4096), b"")
+                except ConnectionError:
+                    pass
+            with socket.create_connection(("127.0.0.1", daemon.port), source_address=("127.0.0.2", 0), timeout=PATIENCE_SECONDS) as other:
+                other.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                self.assertTrue(other.recv(4096).startswith(b"HTTP/1.1 200 "))
+            for connection in crowd:
+                connection.close()
+            until = time.monotonic() + PATIENCE_SECONDS
+            while True:
+                try:
+                    if daemon.get("/livez").status == 200:
+                        break
+                except (ConnectionError, OSError):
+                    self.assertLess(time.monotonic(), until)
+
+    def test_connections_of_all(self):
+        """Who comes when all places are taken waits until one is free."""
+        with Daemon("--max-connections", "4", "--http-threads", "1") as daemon:
+            crowd = [socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) for _ in range(4)]
+            for connection in crowd:
+                connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 200 "))
+            with socket.create_connection(("127.0.0.1", daemon.port), timeout=1) as waiting:
+                waiting.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                with self.assertRaises(TimeoutError):
+                    waiting.recv(4096)
+                crowd.pop().close()
+                waiting.settimeout(PATIENCE_SECONDS)
+                self.assertTrue(waiting.recv(4096).startswith(b"HTTP/1.1 200 "))
+            for connection in crowd:
+                connection.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,170 @@
+"""HTTPS: versions, certificates that are exchanged while the daemon runs, and that the same rules hold as without."""
+import http.client
+import json
+import pathlib
+import shutil
+import signal
+import socket
+import ssl
+import subprocess
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, sample
+
+
+def make_certificate(folder, name):
+    """A self-signed certificate of localhost and its key; their paths."""
+    certificate, key = folder / f"{name}.pem", folder / f"{name}.key"
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                    "-subj", f"/CN={name}", "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate],
+                   check=True, capture_output=True)
+    return certificate, key
+
+
+@unittest.skipUnless(shutil.which("openssl"), "certificates are made by openssl")
+class Tls(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.place = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.place.name)
+        cls.first, cls.second = make_certificate(cls.folder, "first"), make_certificate(cls.folder, "second")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.place.cleanup()
+
+    def setUp(self):
+        self.certificate, self.key = self.folder / "certificate.pem", self.folder / "key.pem"
+        self.install(self.first)
+        self.daemon = Daemon("--tls-cert", str(self.certificate), "--tls-key", str(self.key))
+
+    def tearDown(self):
+        self.assertEqual(self.daemon.stop(), 0)
+        self.assertFalse([line for line in self.daemon.log if line["event"] == "not JSON"])
+
+    def install(self, pair):
+        shutil.copy(pair[0], self.certificate)
+        shutil.copy(pair[1], self.key)
+
+    def context(self, pair):
+        return ssl.create_default_context(cafile=pair[0])
+
+    def connect(self, pair):
+        return http.client.HTTPSConnection("localhost", self.daemon.port, timeout=PATIENCE_SECONDS, context=self.context(pair))
+
+    def ask(self, pair, method, path, body=None):
+        connection = self.connect(pair)
+        connection.request(method, path, body)
+        answer = connection.getresponse()
+        content = answer.read()
+        connection.close()
+        return answer, content
+
+    def raw(self, text):
+        received = b""
+        with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=3) as plain:
+            with self.context(self.first).wrap_socket(plain, server_hostname="localhost") as connection:
+                connection.sendall(text)
+                try:
+                    while data := connection.recv(65536):
+                        received += data
+                except (TimeoutError, OSError):
+                    pass
+        return received
+
+    def reload(self):
+        before = len(self.reloads())
+        self.daemon.process.send_signal(signal.SIGHUP)
+        until = time.monotonic() + PATIENCE_SECONDS
+        while len(self.reloads()) == before:
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.005)
+        return self.reloads()[-1]
+
+    def reloads(self):
+        return [line for line in self.daemon.log if line["event"] in ("reloaded", "reload_failed")]
+
+    def test_an_upload_and_a_question(self):
+        self.assertEqual([line["protocol"] for line in self.daemon.log if line["event"] == "listening"], ["https"])
+        mesh = sample("icosphere", level=5)
+        answer, _ = self.ask(self.first, "PUT", "/v1/meshes/m", mesh)
+        self.assertEqual(answer.status, 201)
+        answer, body = self.ask(self.first, "GET", "/v1/meshes/m/distance?from=v:0&to=v:9")
+        self.assertGreater(json.loads(body)["distance"], 0)
+        answer, body = self.ask(self.first, "GET", "/v1/meshes/m/content?format=ply")
+        self.assertEqual((answer.status, len(body) > 100000), (200, True))
+
+    def test_many_requests_on_one_connection(self):
+        connection = self.connect(self.first)
+        for number in range(50):
+            connection.request("PUT", f"/v1/meshes/m{number % 3}", SQUARE)
+            answer = connection.getresponse()
+            answer.read()
+            self.assertIn(answer.status, (200, 201))
+        connection.close()
+
+    def test_versions(self):
+        for version, is_spoken in ((ssl.TLSVersion.TLSv1_1, False), (ssl.TLSVersion.TLSv1_2, True), (ssl.TLSVersion.TLSv1_3, True)):
+            context = self.context(self.first)
+            context.set_ciphers("ALL:@SECLEVEL=0")
+            context.minimum_version = context.maximum_version = version
+            with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as plain:
+                if is_spoken:
+                    with context.wrap_socket(plain, server_hostname="localhost") as connection:
+                        self.assertEqual(connection.version(), {"TLSv1_2": "TLSv1.2", "TLSv1_3": "TLSv1.3"}[version.name])
+                else:
+                    with self.assertRaises((ssl.SSLError, ConnectionError)):
+                        context.wrap_socket(plain, server_hostname="localhost")
+
+    def test_plain_http_is_not_spoken(self):
+        self.assertNotIn(b"200", self.daemon.raw(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n"))
+        self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
+
+    def test_reload(self):
+        kept = self.connect(self.first)
+        kept.request("GET", "/livez")
+        kept.getresponse().read()
+        self.install(self.second)
+        self.assertEqual(self.reload()["event"], "reloaded")
+        self.assertEqual(self.ask(self.second, "GET", "/livez")[0].status, 200)
+        with self.assertRaises(ssl.SSLCertVerificationError):
+            self.ask(self.first, "GET", "/livez")
+        kept.request("GET", "/livez")  # connections go on as they began
+        self.assertEqual(kept.getresponse().status, 200)
+        kept.close()
+
+    def test_a_bad_reload_changes_nothing(self):
+        shutil.copy(self.second[0], self.certificate)  # with the first one's key
+        told = self.reload()
+        self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))
+        self.assertIn("is not that of the certificate", told["message"])
+        for text in ("", "rubbish"):
+            self.certificate.write_text(text)
+            self.assertIn(str(self.certificate), self.reload()["message"])
+        self.key.unlink()
+        self.assertEqual(self.reload()["event"], "reload_failed")
+        self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
+
+    def test_files_that_cannot_be_used(self):
+        for certificate, key in ((self.first[0], self.second[1]), (self.first[1], self.first[1]), ("nothing", self.first[1])):
+            flags = ["--listen", "127.0.0.1:0", "--store", "memory", "--tls-cert", str(certificate), "--tls-key", str(key)]
+            result = subprocess.run([PROGRAM, *flags], capture_output=True, text=True, timeout=PATIENCE_SECONDS)
+            self.assertEqual(result.returncode, 1, result)
+            self.assertIn("start_failed", result.stderr)
+
+    def test_the_grammar_holds(self):
+        """What would be refused on a plain connection is refused on this one."""
+        hidden = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        for text in (b"GET /livez HTTP/1.1\nHost: localhost\n\n", b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX : y\r\n\r\n",
+                     b"GET /livez HTTP/1.1\r\nHost: localhost\r\nX: y\r\n z\r\n\r\n",
+                     b"PUT /v1/meshes/x HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n5\nhello\n0\n\n"):
+            received = self.raw(text + hidden)
+            self.assertTrue(received.startswith(b"HTTP/1.1 400 "), received)
+            self.assertEqual(received.count(b"\r\nDate: "), 1, received)
+        self.assertFalse([line for line in self.daemon.log if "smuggled" in line.get("path", "")])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,83 @@
+#include "support.h"
+
+#include "proto/decode.h"
+#include "proto/mean.h"
+
+static bool decode(const char *text, struct proto_mean *out, struct proto_problem *problem)
+{
+    json_t *document = proto_decode_document(text, strlen(text), problem);
+    assert_non_null(document);
+    bool decoded = proto_mean_decode(document, out, problem);
+    json_decref(document);
+    return decoded;
+}
+
+#define POINTS "\"points\":[{\"vertex\":3},{\"vertex\":1}]"
+
+static void decodes_bodies(void **state)
+{
+    (void)state;
+    struct proto_mean mean;
+    struct proto_problem problem;
+    assert_true(decode("{" POINTS "}", &mean, &problem));
+    assert_true(mean.points.count == 2 && !mean.weights && !mean.one_step);
+    proto_mean_free(&mean);
+    proto_mean_free(&mean);
+    assert_true(decode("{" POINTS ",\"weights\":[0,2],\"method\":\"one_step\"}", &mean, &problem));
+    assert_true(mean.weights[1] == 2 && mean.one_step);
+    proto_mean_free(&mean);
+    assert_true(decode("{" POINTS ",\"method\":\"karcher\"}", &mean, &problem));
+    assert_false(mean.one_step);
+    proto_mean_free(&mean);
+}
+
+static void refuses_bad_bodies(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *pointer;
+    } cases[] = {
+        {"[]", ""},
+        {"{}", "/points"},
+        {"{\"points\":[]}", "/points"},
+        {"{\"points\":[{\"vertex\":1},2]}", "/points/1"},
+        {"{" POINTS ",\"weights\":[1]}", "/weights"},
+        {"{" POINTS ",\"weights\":[1,\"2\"]}", "/weights/1"},
+        {"{" POINTS ",\"weights\":[1,-2]}", "/weights"},
+        {"{" POINTS ",\"weights\":[0,0]}", "/weights"},
+        {"{" POINTS ",\"weights\":[1e308,1e308]}", "/weights"},
+        {"{" POINTS ",\"method\":3}", "/method"},
+        {"{" POINTS ",\"start\":3}", "/start"},
+    };
+    struct proto_mean mean;
+    struct proto_problem problem;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        assert_false(decode(cases[i].text, &mean, &problem));
+        assert_pointer(&problem, cases[i].pointer);
+    }
+}
+
+static void writes_answers(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = new_tetrahedron();
+    struct gd_mean mean = {.residual = 0.25, .spread = 2, .iterations = 3, .converged = true};
+    struct proto_options options = {.fields = UINT32_MAX};
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &mean.point, NULL), GD_OK);
+    struct proto_writer writer = new_writer();
+    proto_mean_encode(&writer, mesh, &mean, &options);
+    assert_written(&writer, "{\"point\":{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0},"
+                            "\"residual\":0.25,\"spread\":2,\"iterations\":3,\"converged\":true}");
+    options.fields = PROTO_MEAN_FIELD_RESIDUAL;
+    writer = new_writer();
+    proto_mean_encode(&writer, mesh, &mean, &options);
+    assert_written(&writer, "{\"residual\":0.25}");
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies), cmocka_unit_test(refuses_bad_bodies),
+                                       cmocka_unit_test(writes_answers)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

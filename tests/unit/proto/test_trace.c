@@ -1,0 +1,103 @@
+#include "support.h"
+
+#include <stdio.h>
+
+#include "proto/decode.h"
+#include "proto/trace.h"
+
+static bool decode(const char *text, struct proto_trace *out, struct proto_problem *problem)
+{
+    json_t *document = proto_decode_document(text, strlen(text), problem);
+    assert_non_null(document);
+    bool decoded = proto_trace_decode(document, out, problem);
+    json_decref(document);
+    return decoded;
+}
+
+#define START "\"start\":{\"vertex\":3}"
+
+static void decodes_bodies(void **state)
+{
+    (void)state;
+    struct proto_trace trace;
+    struct proto_problem problem;
+    assert_true(decode("{" START ",\"length\":2.5,\"directions\":[0,[1,0,0]]}", &trace, &problem));
+    assert_true(trace.length == 2.5 && trace.count == 2 && trace.start.vertex.index == 3);
+    assert_string_equal(trace.directions[1].place, "/directions/1");
+    assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_BISECT &&
+                trace.options.boundary_rule == GD_BOUNDARY_RULE_STOP && !trace.options.stop_at_self_intersection);
+    assert_int_equal(trace.options.step_limit, PROTO_TRACE_STEPS);
+    proto_trace_free(&trace);
+    proto_trace_free(&trace);
+    assert_true(decode("{" START
+                       ",\"length\":0,\"fan\":10000,\"vertex_rule\":\"limit_normal\",\"boundary_rule\":\"slide\","
+                       "\"stop_at_self_intersection\":true,\"step_limit\":7}",
+                       &trace, &problem));
+    assert_true(!trace.directions && trace.count == 10000);
+    assert_true(trace.options.vertex_rule == GD_VERTEX_RULE_NORMAL &&
+                trace.options.boundary_rule == GD_BOUNDARY_RULE_SLIDE && trace.options.stop_at_self_intersection);
+    assert_int_equal(trace.options.step_limit, 7);
+    proto_trace_free(&trace);
+}
+
+static void refuses_bad_bodies(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *pointer;
+    } cases[] = {
+        {"[]", ""},
+        {"{\"length\":1,\"fan\":2}", "/start"},
+        {"{" START ",\"fan\":2}", "/length"},
+        {"{" START ",\"length\":-1,\"fan\":2}", "/length"},
+        {"{" START ",\"length\":1}", ""},
+        {"{" START ",\"length\":1,\"fan\":2,\"directions\":[1]}", ""},
+        {"{" START ",\"length\":1,\"fan\":0}", "/fan"},
+        {"{" START ",\"length\":1,\"directions\":[]}", "/directions"},
+        {"{" START ",\"length\":1,\"directions\":5}", "/directions"},
+        {"{" START ",\"length\":1,\"directions\":[1,\"2\"]}", "/directions/1"},
+        {"{" START ",\"length\":1,\"fan\":2,\"vertex_rule\":\"half\"}", "/vertex_rule"},
+        {"{" START ",\"length\":1,\"fan\":2,\"boundary_rule\":true}", "/boundary_rule"},
+        {"{" START ",\"length\":1,\"fan\":2,\"step_limit\":0}", "/step_limit"},
+        {"{" START ",\"length\":1,\"fan\":2,\"steps\":1}", "/steps"},
+    };
+    struct proto_trace trace;
+    struct proto_problem problem;
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        assert_false(decode(cases[i].text, &trace, &problem));
+        assert_pointer(&problem, cases[i].pointer);
+    }
+    assert_false(decode("{" START ",\"length\":1,\"fan\":10001}", &trace, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+}
+
+static void writes_answers(void **state)
+{
+    (void)state;
+    static const char *const reasons[] = {"length", "boundary", "self_intersection", "step_limit"};
+    struct gd_mesh *mesh = new_tetrahedron();
+    struct gd_point point;
+    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){1}, &point, NULL), GD_OK);
+    struct gd_trace trace = {.path = {2, 1, &point}, .direction = {.angle = 0.5, .xyz = {0, 1, 0}}};
+    struct proto_writer writer = new_writer();
+    proto_trace_encode(&writer, mesh, &trace, PROTO_GEOMETRY_XYZ);
+    assert_written(&writer, "{\"length\":2,\"points\":[[1,0,0]],\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},"
+                            "\"end_reason\":\"length\"}");
+    for (size_t i = 0; i < COUNT(reasons); i++) {
+        char expected[128];
+        trace.end = (enum gd_trace_end)i;
+        writer = new_writer();
+        proto_trace_encode(&writer, mesh, &trace, PROTO_GEOMETRY_NONE);
+        snprintf(expected, sizeof expected,
+                 "{\"length\":2,\"end_direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"end_reason\":\"%s\"}", reasons[i]);
+        assert_written(&writer, expected);
+    }
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(decodes_bodies), cmocka_unit_test(refuses_bad_bodies),
+                                       cmocka_unit_test(writes_answers)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

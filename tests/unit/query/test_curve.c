@@ -1,0 +1,195 @@
+#include "gd/curve.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "gd/locate.h"
+#include "gd/query.h"
+#include "tests/samples/samples.h"
+#include "tests/support/test.h"
+
+static struct gd_mesh *mesh_of(const char *name, const double *values)
+{
+    struct gd_polygons polygons;
+    check_ok(sample_find(name)->generate(values, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    gd_polygons_free(&polygons);
+    return mesh;
+}
+
+static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
+{
+    struct gd_point point;
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
+    return point;
+}
+
+static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_request request, struct gd_curve *out,
+                              struct gd_detail *detail)
+{
+    return gd_curve_resolve(mesh, &request, NULL, NULL, out, detail);
+}
+
+static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_point q)
+{
+    struct gd_pair_answer answer;
+    check_ok(gd_pair_solve(mesh, &p, &q, false, NULL, NULL, &answer, NULL), NULL);
+    return answer.distance;
+}
+
+/* As long as the distances between its points, and through them in turn. */
+static void joined_by_shortest_paths(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = mesh_of("terrain", (double[SAMPLE_PARAMETERS]){12, 0.8, 3});
+    for (int closed = 0; closed < 2; closed++) {
+        const struct gd_point points[] = {vertex(mesh, 5), vertex(mesh, 140), vertex(mesh, 31), vertex(mesh, 31),
+                                          vertex(mesh, 90)};
+        double length = distance(mesh, points[0], points[1]) + distance(mesh, points[1], points[2]) +
+                        distance(mesh, points[3], points[4]) + (closed ? distance(mesh, points[4], points[0]) : 0);
+        struct gd_curve curve;
+        check_ok(resolve(mesh, (struct gd_curve_request){.closed = closed, .count = 5, .points = points}, &curve, NULL),
+                 NULL);
+        assert_int_equal(curve.closed, closed);
+        check_close(gd_curve_length(mesh, &curve), length, 1e-9);
+        uint32_t next = 0;
+        for (uint32_t i = 0; i < curve.count; i++) {
+            while (next < 5 && gd_point_equal(&curve.points[i], &points[next])) next++;
+            if (i) assert_false(gd_point_equal(&curve.points[i], &curve.points[i - 1]));
+        }
+        assert_int_equal(next, 5);
+        assert_true(closed != gd_point_equal(&curve.points[curve.count - 1], &points[4]));
+        gd_curve_free(&curve);
+    }
+    gd_mesh_release(mesh);
+}
+
+/* Points of one face, however close: straight, without a search. */
+static void within_a_face(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = mesh_of("tetrahedron", (double[SAMPLE_PARAMETERS]){1, 0});
+    const double weights[][3] = {{0.5, 0.25, 0.25}, {0.5, 0.25 + 1e-14, 0.25 - 1e-14}, {1, 0, 0}, {0, 0.5, 0.5}};
+    struct gd_point points[4];
+    struct gd_curve curve;
+    for (int i = 0; i < 4; i++)
+        check_ok(gd_point_in_face(mesh, (struct gd_face){0}, weights[i], &points[i], NULL), NULL);
+    check_ok(resolve(mesh, (struct gd_curve_request){.closed = true, .count = 4, .points = points}, &curve, NULL),
+             NULL);
+    assert_int_equal(curve.count, 4);
+    for (uint32_t i = 0; i < 4; i++) assert_true(gd_point_equal(&curve.points[i], &points[i]));
+    gd_curve_free(&curve);
+    gd_mesh_release(mesh);
+}
+
+static void along_edges(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = mesh_of("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1});
+    static const struct gd_vertex chain[] = {{0}, {1}, {1}, {4}, {3}, {0}};
+    struct gd_curve curve;
+    for (int closed = 0; closed < 2; closed++) {
+        check_ok(resolve(mesh,
+                         (struct gd_curve_request){
+                             .kind = GD_CURVE_VERTICES, .closed = closed, .count = 6, .vertices = chain},
+                         &curve, NULL),
+                 NULL);
+        assert_int_equal(curve.count, closed ? 4 : 5);
+        check_close(gd_curve_length(mesh, &curve), 2, 1e-12);
+        gd_curve_free(&curve);
+    }
+    gd_mesh_release(mesh);
+}
+
+static void round_boundaries(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = mesh_of("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 7, 3});
+    for (uint32_t loop = 0; loop < 2; loop++) {
+        struct gd_curve curve;
+        check_ok(resolve(mesh, (struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = loop}, &curve, NULL),
+                 NULL);
+        struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
+        assert_true(curve.closed);
+        assert_int_equal(curve.count, boundary.vertices);
+        check_close(gd_curve_length(mesh, &curve), boundary.length, 1e-12);
+        struct gd_vec3 p = gd_point_position(mesh, &curve.points[0]), q = gd_point_position(mesh, &curve.points[1]);
+        double turn = p.x * q.y - p.y * q.x; /* the surface at the left: below counter-clockwise, above clockwise */
+        assert_true(p.z < 1 ? turn > 0 : turn < 0);
+        gd_curve_free(&curve);
+    }
+    gd_mesh_release(mesh);
+}
+
+static void refusals(void **state)
+{
+    (void)state;
+    struct gd_mesh *grid = mesh_of("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1});
+    struct gd_curve curve = {.count = 7};
+    struct gd_detail detail = {0};
+    static const struct gd_vertex apart[] = {{0}, {8}}, beyond[] = {{0}, {9}};
+    const struct gd_curve_request wrong[] = {
+        {.kind = GD_CURVE_POINTS},
+        {.kind = GD_CURVE_VERTICES},
+        {.kind = GD_CURVE_VERTICES, .count = 2, .vertices = apart},
+        {.kind = GD_CURVE_VERTICES, .count = 2, .vertices = beyond},
+        {.kind = GD_CURVE_BOUNDARY, .boundary = 1},
+    };
+    static const enum gd_status expected[] = {GD_INVALID_ARGUMENT, GD_INVALID_ARGUMENT, GD_NO_SUCH_EDGE,
+                                              GD_OUT_OF_RANGE, GD_OUT_OF_RANGE};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        detail.text[0] = '\0';
+        assert_int_equal(resolve(grid, wrong[i], &curve, &detail), expected[i]);
+        assert_true(strlen(detail.text) > 20);
+        assert_int_equal(curve.count, 7);
+    }
+    gd_mesh_release(grid);
+}
+
+static void components_are_not_joined(void **state)
+{
+    (void)state;
+    double positions[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
+    uint32_t corners[] = {0, 1, 2, 3, 4, 5};
+    struct gd_mesh *mesh = test_mesh(
+        &(struct gd_polygons){.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners});
+    const struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1), vertex(mesh, 4)};
+    struct gd_curve curve;
+    struct gd_detail detail = {0};
+    assert_int_equal(resolve(mesh, (struct gd_curve_request){.count = 3, .points = points}, &curve, &detail),
+                     GD_INVALID_ARGUMENT);
+    assert_non_null(strstr(detail.text, "points 1 and 2"));
+    gd_mesh_release(mesh);
+}
+
+static void budgets(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = mesh_of("terrain", (double[SAMPLE_PARAMETERS]){20, 0.8, 3});
+    const struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 440)};
+    const struct gd_curve_request request = {.count = 2, .points = points};
+    bool is_done = false;
+    for (size_t budget = 64; !is_done; budget *= 2) {
+        const struct gd_control control = {.budget_bytes = budget};
+        struct gd_curve curve;
+        enum gd_status status = gd_curve_resolve(mesh, &request, NULL, &control, &curve, NULL);
+        is_done = status == GD_OK;
+        assert_true(is_done || status == GD_BUDGET);
+        if (is_done) gd_curve_free(&curve);
+    }
+    gd_mesh_release(mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(joined_by_shortest_paths),
+        cmocka_unit_test(within_a_face),
+        cmocka_unit_test(along_edges),
+        cmocka_unit_test(round_boundaries),
+        cmocka_unit_test(refusals),
+        cmocka_unit_test(components_are_not_joined),
+        cmocka_unit_test(budgets),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

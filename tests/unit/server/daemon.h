@@ -1,0 +1,166 @@
+/* A daemon without a network: requests go through router, handlers, workers and the registry's writer, and are answered to the
+ * test. One at a time. */
+#ifndef TESTS_UNIT_SERVER_DAEMON_H
+#define TESTS_UNIT_SERVER_DAEMON_H
+
+#include "support.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+#include "server/events.h"
+#include "server/jobs.h"
+#include "server/registry.h"
+#include "server/reply.h"
+#include "server/router.h"
+#include "server/server.h"
+#include "server/timekeeper.h"
+
+static struct server daemon_server;
+static sem_t daemon_finished;
+static bool
+    daemon_had_state; /* an exchange was finished with its handler's state: others may wait for what that holds */
+
+static inline void daemon_finish(struct server_exchange *exchange)
+{
+    daemon_had_state |= exchange->state != NULL;
+    server_reply_seal(exchange);
+    sem_post(&daemon_finished);
+}
+
+static inline bool daemon_is_gone(struct server_exchange *exchange)
+{
+    (void)exchange;
+    return false;
+}
+
+static const struct server_transport daemon_transport = {.finish = daemon_finish, .is_gone = daemon_is_gone};
+
+/* Starts on a store, which becomes its own. */
+static inline void daemon_start(struct server_store *store)
+{
+    struct server *server = &daemon_server;
+    assert_non_null(store);
+    memset(server, 0, sizeof *server);
+    server->config = (struct server_config){.timeout_ms = 10000,
+                                            .max_body = 1 << 20,
+                                            .max_faces = 1000,
+                                            .queue_length = 10,
+                                            .job_ttl_s = 60,
+                                            .max_jobs = 10};
+    server->guard.config = &server->config;
+    server_budget_init(&server->budget, 64 << 20);
+    server->workspaces = server_workspaces_create(&server->budget, 1);
+    server->workers = server_workers_create(1, 10);
+    server->cache = server_cache_create(&server->budget, server->workers);
+    server->loads = server_loads_create(server->workers);
+    server->registry = server_registry_create(store, &server->budget);
+    server->metrics = server_metrics_create(proto_routes, proto_route_count);
+    server->events = server_events_create();
+    server->jobs = server_jobs_create(server);
+    server->timekeeper = server_timekeeper_create(server);
+    sem_init(&daemon_finished, 0, 0);
+}
+
+/* Stops; whatever it did, every byte of the budget has come back. */
+static inline void daemon_stop(void)
+{
+    struct server *server = &daemon_server;
+    server_workers_cancel(server->workers);
+    while (atomic_load(&server->deferred)) usleep(1000);
+    server_timekeeper_destroy(server->timekeeper);
+    server_jobs_destroy(server->jobs);
+    server_events_destroy(server->events);
+    server_registry_destroy(server->registry);
+    server_loads_destroy(server->loads);
+    server_cache_destroy(server->cache);
+    server_workers_destroy(server->workers);
+    server_workspaces_destroy(server->workspaces);
+    server_metrics_destroy(server->metrics);
+    assert_int_equal(server->budget.total, 0);
+    assert_false(daemon_had_state);
+}
+
+struct daemon_request {
+    const char *tenant; /* NULL: none */
+    const char *method, *target;
+    const char
+        *headers;     /* "Name: value" lines besides Host, and besides Content-Length if there is a body; NULL: none */
+    const char *body; /* NULL: none */
+};
+
+static inline void daemon_add_headers(struct server_exchange *exchange, char *lines)
+{
+    for (char *line; (line = strsep(&lines, "\n"));) {
+        char *colon = strchr(line, ':');
+        if (!colon) continue;
+        *colon = '\0';
+        server_exchange_add_header(exchange, line, colon + 2);
+    }
+}
+
+/* What becomes of a request after its headers, which are the caller's to keep. */
+static inline struct server_exchange *daemon_begin(const char *method, const char *target, char *headers)
+{
+    struct server_exchange *exchange = server_exchange_create(&daemon_server, &daemon_transport, target);
+    exchange->method = method;
+    server_exchange_add_header(exchange, "Host", "localhost");
+    daemon_add_headers(exchange, headers);
+    server_router_begin(exchange);
+    return exchange;
+}
+
+static inline void daemon_end(struct server_exchange *exchange, const char *body)
+{
+    if (!exchange->response.status && body)
+        server_body_append(&exchange->body, &daemon_server.budget, body, strlen(body));
+    server_router_end(exchange);
+    if (exchange->response.status) {
+        server_reply_seal(exchange);
+    } else {
+        server_exchange_submit(exchange);
+        sem_wait(&daemon_finished);
+    }
+}
+
+/* The answered exchange, for the caller to destroy. */
+static inline struct server_exchange *daemon_ask(struct daemon_request request)
+{
+    char headers[512]; /* done with when this returns */
+    int size = snprintf(headers, sizeof headers, "%s", request.headers ? request.headers : "");
+    if (request.body)
+        snprintf(headers + size, sizeof headers - (size_t)size, "\nContent-Length: %zu", strlen(request.body));
+    struct server_exchange *exchange = daemon_begin(request.method, request.target, headers);
+    if (request.tenant) exchange->tenant = request.tenant;
+    daemon_end(exchange, request.body);
+    return exchange;
+}
+
+static inline const char *daemon_header(const struct server_exchange *exchange, const char *name)
+{
+    for (uint32_t i = 0; i < exchange->response.header_count; i++)
+        if (strcmp(exchange->response.headers[i].name, name) == 0) return exchange->response.headers[i].value;
+    return NULL;
+}
+
+/* Asks, and writes the answer as a text: "201 {…}". */
+static inline const char *daemon_answer(struct daemon_request request)
+{
+    static char text[65536];
+    struct server_exchange *exchange = daemon_ask(request);
+    snprintf(text, sizeof text, "%u %.*s", exchange->response.status,
+             exchange->response.body ? (int)exchange->response.size : 0,
+             exchange->response.body ? (const char *)exchange->response.body : "");
+    server_exchange_destroy(exchange);
+    return text;
+}
+
+static inline unsigned daemon_status(struct daemon_request request)
+{
+    struct server_exchange *exchange = daemon_ask(request);
+    unsigned status = exchange->response.status;
+    server_exchange_destroy(exchange);
+    return status;
+}
+
+#endif
