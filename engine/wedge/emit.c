@@ -281,6 +281,15 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
 }
 
+/* A segment's end is a seed of its own: up to rounding the segment is as near, and must not come before it. */
+static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
+{
+    const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};
+    for (int i = 0; i < 2; i++)
+        if (ends[i]->kind == GD_POINT_VERTEX && ends[i]->element == vertex) return true;
+    return false;
+}
+
 /* Straight to the apex of `side`, where its perpendicular meets the chord. */
 static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                                  const struct gd__chord *chord)
@@ -288,7 +297,8 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
     const struct gd_side *s = &front->mesh->side[side];
     struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
     double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = height > 0 ? 1 : -1;
-    if (!(foot > 0 && foot < chord->length) || height == 0) return;
+    if (!(foot > 0 && foot < chord->length) || height == 0 || is_end(front, seed, gd__side_apex(front->mesh, side)))
+        return;
     struct gd__birth birth = {
         .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);

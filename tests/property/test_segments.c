@@ -109,6 +109,21 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
     return best;
 }
 
+/* With an offset all distances are longer by it, also where a segment comes before its own end, which is as near as it up to rounding. */
+static void check_offset(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_polygons *polygons,
+                         struct rng *rng)
+{
+    static struct curve moved;
+    moved = curve;
+    for (uint32_t i = 0; i < moved.count; i++) moved.seeds[i].offset = 0.7;
+    struct gd_field *later = field_of(mesh, moved.seeds, moved.count);
+    for (int i = 0; i < 20; i++) {
+        struct gd_point p = test_point(mesh, test_random_place(polygons, rng));
+        check_close(distance_at(later, &p), distance_at(field, &p) + 0.7, 1e-12);
+    }
+    gd_field_release(later);
+}
+
 /* At random points, against the field of each; and the path ends on the curve. */
 static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
                                    struct rng *rng)
@@ -138,6 +153,7 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
         gd_path_free(&path);
         gd_field_release(back);
     }
+    check_offset(mesh, field, polygons, rng);
     gd_field_release(field);
     return worst;
 }
