@@ -271,12 +271,9 @@ static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *
     return start < 2 * M_PI ? start : 0;
 }
 
-void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
+static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {
     double start = start_of(mesh, arc);
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "face");
-    proto_write_uint(writer, arc->face.index);
     proto_write_key(writer, "centre");
     proto_xyz_encode(writer, arc->centre);
     proto_write_key(writer, "radius");
@@ -285,5 +282,18 @@ void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, c
     proto_write_number(writer, start);
     proto_write_key(writer, "end");
     proto_write_number(writer, start + (arc->to - arc->from));
+}
+
+void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
+{
+    proto_write_object_begin(writer);
+    proto_write_key(writer, "face");
+    proto_write_uint(writer, arc->face.index);
+    if (arc->radius > 0) {
+        write_round(writer, mesh, arc);
+    } else {
+        proto_write_key(writer, "straight");
+        proto_write_bool(writer, true);
+    }
     proto_write_object_end(writer);
 }

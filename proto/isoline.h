@@ -60,7 +60,7 @@ void proto_line_begin(struct proto_writer *writer, const struct gd_isoline_line 
 void proto_line_end(struct proto_writer *writer);
 
 /* A list of a line, "points" or "arcs": begin, some calls of the function for one element, end. Angles of an arc are counted as directions in its
- * face are (gd/direction.h), its start in [0, 2 pi). */
+ * face are (gd/direction.h), its start in [0, 2 pi); a straight one is {"face", "straight": true}. */
 void proto_line_list_begin(struct proto_writer *writer, const char *name);
 void proto_line_list_end(struct proto_writer *writer);
 void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc);

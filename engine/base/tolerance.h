@@ -83,6 +83,10 @@
  * Where a bisector meets an edge of two sources' sight at a small angle, the nudge and rounding move its end by much more than they are. */
 #define GD_TOL_NODE 1e-6
 
+/* Where two bisectors of three sources meet at a smaller angle, their place in common is not told well by the distances: a line and its end have one tangent
+ * there. Left where it is, it is off by no more than the nudge. */
+#define GD_TOL_TANGENT 1e-3
+
 /* A line may be taken to see more than it does by this part of its distance there, where rounding would leave a gap: it is too near then by half that
  * part of what it is lengthened by. */
 #define GD_TOL_LENGTHENED 1e-3
@@ -133,6 +137,12 @@
 
 /* A mean is found when the step that would be next is this part of how far the points lie from it: directions and lengths of some searches, rounded. */
 #define GD_TOL_MEAN 1e-11
+
+/* A line that bends at a vertex by less than this angle is straight there: going round on the other side would shorten it by the square. */
+#define GD_TOL_BEND 1e-10
+
+/* Points of a spline that are closer than this part of the distance to the farthest of their neighbours are one point: what is between them has no direction. */
+#define GD_TOL_SAME_POINT 1e-12
 
 /* Coordinates and extents beyond this and its inverse are refused: their squares leave the range of doubles. */
 #define GD_EXTENT_MAX 1e150
@@ -189,5 +199,11 @@
 
 /* A foot on a limit surface is found when Newton's step is this small in the face's coordinates. */
 #define GD_TOL_FOOT 1e-14
+
+/* Shooting: the direction beside that measures how a geodesic's end moves, in radians; an end this near to its aim, relative to the length, has arrived; and
+ * a length that differs from the polyline's by more than this part is another geodesic's. */
+#define GD_TOL_BESIDE_SHOT 1e-6
+#define GD_TOL_SHOT        1e-11
+#define GD_TOL_SAME_WAY    0.1
 
 #endif

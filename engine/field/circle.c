@@ -4,78 +4,151 @@
 
 #include "field/array.h"
 
-/* All that bounds an arc is a disk or a half-plane, and meets the circle where cos(angle - phi) >= q for some phi and q. */
+/* All that bounds an arc is a disk or a half-plane, and meets a circle where cos(angle - phi) >= q for some phi and q, a line between two places. */
+
+static double dot(struct gd__local a, struct gd__local b)
+{
+    return a.x * b.x + a.y * b.y;
+}
+
+static struct gd__local from_to(struct gd__local from, struct gd__local to)
+{
+    return (struct gd__local){to.x - from.x, to.y - from.y};
+}
+
+static struct gd__local opposite(struct gd__local v)
+{
+    return (struct gd__local){-v.x, -v.y};
+}
 
 /* --- the circle ---------------------------------------------------------------------------------------------------------- */
 
-static double angle_of(const struct gd__circle *circle, double dx, double dy)
+static double angle_of(const struct gd__circle *circle, struct gd__local v)
 {
-    struct gd__local z = circle->towards;
-    return atan2(z.x * dy - z.y * dx, z.x * dx + z.y * dy);
+    return atan2(dot(gd__circle_along(circle), v), dot(circle->towards, v));
+}
+
+/* Of a line: the angle that stands for a place so far along it. */
+static double angle_along(const struct gd__circle *line, double way)
+{
+    return 2 * atan2(way, line->radius);
+}
+
+static struct gd__circle line_of(const struct gd__source *source, struct gd__local middle, double size, double level)
+{
+    struct gd__local up = source->gradient;
+    double more = level - gd__source_distance(source, middle);
+    return (struct gd__circle){
+        .straight = true, .centre = {middle.x + more * up.x, middle.y + more * up.y}, .radius = size, .towards = up};
 }
 
 struct gd__circle gd__circle_of(const struct gd__sources *sources, uint32_t i, double level)
 {
+    const struct gd__source *source = &sources->source[i];
     const struct gd__local *corner = sources->frame.corner;
-    struct gd__local at = sources->source[i].at;
-    double dx = (corner[0].x + corner[1].x + corner[2].x) / 3 - at.x,
-           dy = (corner[0].y + corner[1].y + corner[2].y) / 3 - at.y;
-    double zero = atan2(dy, dx);
-    return (struct gd__circle){at, level - sources->source[i].sigma, zero, {cos(zero), sin(zero)}};
+    struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
+                               (corner[0].y + corner[1].y + corner[2].y) / 3};
+    if (source->linear) return line_of(source, middle, sources->frame.size, level);
+    double zero = atan2(middle.y - source->at.y, middle.x - source->at.x);
+    return (struct gd__circle){
+        .centre = source->at, .radius = level - source->sigma, .zero = zero, .towards = {cos(zero), sin(zero)}};
 }
 
 struct gd__local gd__circle_place(const struct gd__circle *circle, double angle)
 {
+    if (circle->straight) {
+        struct gd__local along = gd__circle_along(circle);
+        double way = circle->radius * tan(0.5 * angle);
+        return (struct gd__local){circle->centre.x + way * along.x, circle->centre.y + way * along.y};
+    }
     double a = circle->zero + angle;
     return (struct gd__local){circle->centre.x + circle->radius * cos(a), circle->centre.y + circle->radius * sin(a)};
 }
 
 double gd__circle_angle(const struct gd__circle *circle, struct gd__local at)
 {
-    return angle_of(circle, at.x - circle->centre.x, at.y - circle->centre.y);
+    struct gd__local v = from_to(circle->centre, at);
+    return circle->straight ? angle_along(circle, dot(gd__circle_along(circle), v)) : angle_of(circle, v);
 }
 
 /* --- what bounds its arcs ------------------------------------------------------------------------------------------------ */
 
-/* How far the centre lies on the side of a line to which its unit normal points; the line passes `through`. */
+/* Where a line has a height of at least 0, which is `height` at its centre and grows by `slope` along it. */
+static struct gd__turn line_above(const struct gd__circle *line, double height, double slope)
+{
+    if (slope == 0) return height >= 0 ? gd__turn_all : (struct gd__turn){0};
+    double bound = angle_along(line, -height / slope);
+    return slope > 0 ? (struct gd__turn){1, {{.from = bound, .to = M_PI}}}
+                     : (struct gd__turn){1, {{.from = -M_PI, .to = bound}}};
+}
+
+/* In a half-plane: on the side of a line to which its unit normal points, the side on which the centre lies that high. */
+static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal, double height)
+{
+    if (circle->straight) return line_above(circle, height, dot(normal, gd__circle_along(circle)));
+    return gd__turn_around(angle_of(circle, normal), -height / circle->radius);
+}
+
+/* How high the centre lies over a line that passes `through`. */
 static double height_over(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
 {
-    return normal.x * (circle->centre.x - through.x) + normal.y * (circle->centre.y - through.y);
+    return dot(normal, from_to(through, circle->centre));
 }
 
-/* On the side of a line to which its normal points. */
-static struct gd__turn in_half_plane(const struct gd__circle *circle, struct gd__local normal, struct gd__local through)
+static bool touches(const struct gd__circle *circle, struct gd__local normal, double height, double slack)
 {
-    return gd__turn_around(angle_of(circle, normal.x, normal.y),
-                           -height_over(circle, normal, through) / circle->radius);
+    if (!circle->straight) return fabs(fabs(height) - circle->radius) <= slack;
+    return fabs(height) + fabs(dot(normal, gd__circle_along(circle))) * circle->radius <= slack;
 }
 
-/* On the other side. A circle that touches the line up to `slack` stays on its centre's side. */
+/* On the other side of a line. A circle that touches it up to `slack` stays on its centre's side, a line that lies in it on its source's. */
 static struct gd__turn beyond_line(const struct gd__circle *circle, struct gd__local normal, struct gd__local through,
                                    double slack)
 {
     double height = height_over(circle, normal, through);
-    if (fabs(fabs(height) - circle->radius) <= slack) return height > 0 ? (struct gd__turn){0} : gd__turn_all;
-    return gd__turn_around(angle_of(circle, -normal.x, -normal.y), height / circle->radius);
+    if (!touches(circle, normal, height, slack)) return in_half_plane(circle, opposite(normal), -height);
+    bool stays = circle->straight ? dot(normal, circle->towards) < 0 : height > 0;
+    return stays ? (struct gd__turn){0} : gd__turn_all;
+}
+
+static struct gd__turn line_in_disk(const struct gd__circle *line, struct gd__local centre, double radius)
+{
+    struct gd__local v = from_to(line->centre, centre);
+    double along = dot(v, gd__circle_along(line)), away = fabs(dot(v, line->towards));
+    if (!(radius > away)) return (struct gd__turn){0};
+    double half = sqrt((radius - away) * (radius + away));
+    return (struct gd__turn){1, {{.from = angle_along(line, along - half), .to = angle_along(line, along + half)}}};
 }
 
 static struct gd__turn in_disk(const struct gd__circle *circle, struct gd__local centre, double radius)
 {
-    double dx = centre.x - circle->centre.x, dy = centre.y - circle->centre.y, apart = sqrt(dx * dx + dy * dy);
-    double excess = (circle->radius - radius) * (circle->radius + radius);
+    if (circle->straight) return line_in_disk(circle, centre, radius);
+    struct gd__local v = from_to(circle->centre, centre);
+    double apart = sqrt(dot(v, v)), excess = (circle->radius - radius) * (circle->radius + radius);
     if (radius <= 0) return (struct gd__turn){0};
     if (apart == 0) return excess <= 0 ? gd__turn_all : (struct gd__turn){0};
-    return gd__turn_around(angle_of(circle, dx, dy), (apart * apart + excess) / (2 * apart * circle->radius));
+    return gd__turn_around(angle_of(circle, v), (apart * apart + excess) / (2 * apart * circle->radius));
 }
 
-/* Where a source gives no more than a distance of that radius beyond its sigma. */
-static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source, double radius)
+/* Where a linear source gives no more than a level, and no less than it can. */
+static struct gd__turn in_band(const struct gd__circle *circle, const struct gd__source *source, double level)
 {
-    struct gd__turn parts = in_disk(circle, source->at, radius);
+    double distance = gd__source_distance(source, circle->centre);
+    struct gd__turn above = in_half_plane(circle, source->gradient, distance - source->nearest),
+                    below = in_half_plane(circle, opposite(source->gradient), level - distance);
+    return gd__turn_both(&above, &below);
+}
+
+/* Where a source gives no more than a level. */
+static struct gd__turn seen_by(const struct gd__circle *circle, const struct gd__source *source, double level)
+{
+    struct gd__turn parts =
+        source->linear ? in_band(circle, source, level) : in_disk(circle, source->at, level - source->sigma);
     if (!source->has_sector || !parts.count) return parts;
-    struct gd__turn right_of = in_half_plane(circle, source->left, source->at);
+    struct gd__turn right_of = in_half_plane(circle, source->left, height_over(circle, source->left, source->left_at));
     parts = gd__turn_both(&parts, &right_of);
-    struct gd__turn left_of = in_half_plane(circle, source->right, source->at);
+    struct gd__turn left_of =
+        in_half_plane(circle, source->right, height_over(circle, source->right, source->right_at));
     return gd__turn_both(&parts, &left_of);
 }
 
@@ -95,8 +168,8 @@ static enum gd_status cover_outside_sector(const struct gd__circle *circle, cons
                                            struct gd__spans *covered)
 {
     if (!source->has_sector) return GD_OK;
-    struct gd__turn beyond_left = beyond_line(circle, source->left, source->at, 0),
-                    beyond_right = beyond_line(circle, source->right, source->at, 0);
+    struct gd__turn beyond_left = beyond_line(circle, source->left, source->left_at, 0),
+                    beyond_right = beyond_line(circle, source->right, source->right_at, 0);
     enum gd_status status = gd__spans_put(covered, &beyond_left, 0);
     return status ? status : gd__spans_put(covered, &beyond_right, 0);
 }
@@ -109,31 +182,48 @@ struct probe {
 
 static struct probe probe_of(const struct gd__circle *circle, const struct gd__span *span)
 {
+    if (circle->straight) {
+        struct gd__local a = gd__circle_place(circle, span->from), b = gd__circle_place(circle, span->to);
+        struct gd__local half = {0.5 * (b.x - a.x), 0.5 * (b.y - a.y)};
+        return (struct probe){{a.x + half.x, a.y + half.y}, sqrt(dot(half, half))};
+    }
     return (struct probe){gd__circle_place(circle, 0.5 * (span->from + span->to)),
                           0.5 * circle->radius * (span->to - span->from)};
 }
 
-/* Might the source be as near as `radius` to a point of the probe that it sees? Most are not, and need no angles. */
-static bool may_cover(const struct gd__source *source, double radius, const struct probe *probe)
+/* Might the source give less than a level at a point of the probe that it sees? Most do not, and need no angles. */
+static bool may_cover(const struct gd__source *source, double level, const struct probe *probe)
 {
-    double dx = probe->at.x - source->at.x, dy = probe->at.y - source->at.y, far = radius + probe->reach;
-    if (far <= 0 || dx * dx + dy * dy >= far * far) return false;
-    return !source->has_sector || (source->left.x * dx + source->left.y * dy >= -probe->reach &&
-                                   source->right.x * dx + source->right.y * dy >= -probe->reach);
+    struct gd__local v = from_to(source->left_at, probe->at), u = from_to(source->right_at, probe->at);
+    double far = level - source->sigma + probe->reach;
+    if (source->linear ? gd__source_distance(source, probe->at) - probe->reach >= level
+                       : far <= 0 || dot(v, v) >= far * far)
+        return false;
+    return !source->has_sector || (dot(source->left, v) >= -probe->reach && dot(source->right, u) >= -probe->reach);
 }
 
-/* Covers what others see of the span. Ties go to the source that comes first. */
+/* Whether source k counts where it ties with source i. A linear one does, whose line a circle touches where its segment ends, so that they join there
+ * and not somewhere close by. Two lines that face each other may tie all along a ridge of the level's height: both count, and go there and back. Else
+ * the source that comes first does. */
+static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i)
+{
+    const struct gd__source *a = &sources->source[k], *b = &sources->source[i];
+    if (a->linear != b->linear) return a->linear;
+    return k < i && (!a->linear || dot(a->gradient, b->gradient) >= 0);
+}
+
+/* Covers what others see of the span. */
 static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_t i, const struct gd__circle *circle,
-                                      double slack, const struct gd__span *span, struct gd__spans *covered)
+                                      double level, double slack, const struct gd__span *span,
+                                      struct gd__spans *covered)
 {
     struct probe probe = probe_of(circle, span);
-    double level = circle->radius + sources->source[i].sigma;
     enum gd_status status = GD_OK;
     for (uint32_t k = 0; k < sources->count && !status; k++) {
         const struct gd__source *other = &sources->source[k];
-        double radius = level - other->sigma + (k < i ? slack : -slack);
-        if (k == i || !may_cover(other, radius, &probe)) continue;
-        struct gd__turn seen = seen_by(circle, other, radius);
+        double most = level + (takes_tie(sources, k, i) ? slack : -slack);
+        if (k == i || !may_cover(other, most, &probe)) continue;
+        struct gd__turn seen = seen_by(circle, other, most);
         status = gd__spans_put(covered, &seen, 0);
     }
     return status;
@@ -141,12 +231,13 @@ static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_
 
 /* --- its arcs ------------------------------------------------------------------------------------------------------------ */
 
-/* Does the circle enclose the face? Then no point of it is in the face. */
-static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame)
+/* Does the circle enclose the face? Then no point of it is in the face. A line up to `slack` off a side may lie in it. */
+static bool encloses_face(const struct gd__circle *circle, const struct gd__frame *frame, double slack)
 {
     for (int k = 0; k < 3; k++) {
-        double dx = frame->corner[k].x - circle->centre.x, dy = frame->corner[k].y - circle->centre.y;
-        if (dx * dx + dy * dy >= circle->radius * circle->radius) return false;
+        struct gd__local v = from_to(circle->centre, frame->corner[k]);
+        if (circle->straight ? dot(v, circle->towards) >= -slack : dot(v, v) >= circle->radius * circle->radius)
+            return false;
     }
     return true;
 }
@@ -157,13 +248,13 @@ enum gd_status gd__circle_arcs(const struct gd__sources *sources, uint32_t i, do
     struct gd__circle circle = gd__circle_of(sources, i, level);
     double slack = gd__envelope_slack(level, sources->frame.size), least = slack / circle.radius;
     covered->count = arcs->count = 0;
-    if (encloses_face(&circle, &sources->frame)) return GD_OK;
+    if (encloses_face(&circle, &sources->frame, slack)) return GD_OK;
     enum gd_status status = cover_outside_face(&circle, &sources->frame, slack, covered);
     if (!status) status = cover_outside_sector(&circle, &sources->source[i], covered);
     if (!status) status = gd__spans_invert(covered, least, arcs);
     if (status || !arcs->count) return status;
     for (uint32_t k = 0; k < arcs->count && !status; k++)
-        status = cover_by_others(sources, i, &circle, slack, &arcs->span[k], covered);
+        status = cover_by_others(sources, i, &circle, level, slack, &arcs->span[k], covered);
     if (!status) status = gd__spans_invert(covered, least, arcs);
     if (!status) gd__spans_join(arcs);
     return status;

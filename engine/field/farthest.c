@@ -4,9 +4,12 @@
 #include "field/circle.h"
 #include "wedge/contest.h"
 
-/* The farthest point. The distance has no maximum where it comes from one source only, as it grows away from it, nor inside a face where it comes
- * from two. So a maximum is a vertex, a point of a boundary edge between two sources, or a point between three. Vertices come first; then
- * only faces that may rise above the best so far are searched, and in them only the sources that do. */
+/* The farthest point. The distance has no maximum where it comes from one source only, as it grows away from it. Where it comes from two, inside a
+ * face, it has one only if they pull in opposite directions: a point of the way between two points is a saddle of it, and one between a point and a
+ * segment is, too; but midway between two parallel segments runs a ridge of one height. It ends where there is a third source, or on the boundary, or it
+ * goes on through edges and round. So a maximum is a vertex, a point of a boundary edge between two sources, a point of any edge between two
+ * segments, or a point between three sources. Vertices come first; then only faces that may rise above the best so far are searched, and in them
+ * only the sources that do. */
 
 enum { CHECK_INTERVAL = 64 /* faces */ };
 
@@ -97,11 +100,12 @@ static enum gd_status find_candidates(struct search *search)
 
 /* --- which sources ------------------------------------------------------------------------------------------------------- */
 
-/* A source that is nearest to a point beyond the best is so on all of the straight way back: it enters the face beyond the best, or passes it. */
+/* A source that is nearest to a point beyond the best is so on all of the straight way back: it enters the face beyond the best, or passes it. A seed
+ * may be the farthest vertex so far, and a segment's line may enter along an edge that is as far as the best. */
 static enum gd_status is_rising(struct search *search, uint32_t i, bool *out)
 {
     const struct gd__source *source = &search->sources.source[i];
-    *out = source->farthest >= search->best; /* a seed may be the farthest vertex so far */
+    *out = source->farthest >= search->best - gd__envelope_slack(search->best, search->sources.frame.size);
     if (*out || source->nearest >= search->best) return GD_OK;
     enum gd_status status = gd__circle_arcs(&search->sources, i, search->best, &search->covered, &search->spans);
     *out = search->spans.count > 0;
@@ -137,28 +141,80 @@ static double dot(struct gd__local a, struct gd__local b)
     return a.x * b.x + a.y * b.y;
 }
 
-/* Places as far from a source as from two others. With p and r counted from the first source, and (a, k), (b, l) the others' places and sigmas from
- * there: |p| = r, |p - a| = r - k, |p - b| = r - l. Differences of squares leave a p = m + k r and b p = n + l r, so that p = u + r w is
- * linear in r, and |u + r w| = r a quadratic. Returns how many places there are. */
-static int places_between(const struct gd__source *s[3], struct gd__local place[2])
+/* A source as a surface in space, where a place of the face's plane has its distance for a height: all below are a plane of points q with
+ * normal . q = value. */
+struct plane {
+    struct gd_vec3 normal;
+    double value;
+};
+
+/* The places as far from a source as from `first`, a point, which is the origin: |p| = r for it; for another point |p - a| = r - k, and the difference of
+ * the squares is a p - k r = (a^2 - k^2) / 2; a linear source's distance is a plane itself. */
+static struct plane plane_between(const struct gd__source *first, const struct gd__source *source)
 {
-    struct gd__local a = {s[1]->at.x - s[0]->at.x, s[1]->at.y - s[0]->at.y},
-                     b = {s[2]->at.x - s[0]->at.x, s[2]->at.y - s[0]->at.y};
-    double k = s[1]->sigma - s[0]->sigma, l = s[2]->sigma - s[0]->sigma, area = cross(a, b);
-    double m = 0.5 * (dot(a, a) - k * k), n = 0.5 * (dot(b, b) - l * l);
-    if (area == 0) return 0;
-    struct gd__local u = {(m * b.y - n * a.y) / area, (n * a.x - m * b.x) / area},
-                     w = {(k * b.y - l * a.y) / area, (l * a.x - k * b.x) / area};
-    double q2 = dot(w, w) - 1, q1 = dot(u, w), q0 = dot(u, u), discriminant = q1 * q1 - q2 * q0;
+    if (source->linear)
+        return (struct plane){{source->gradient.x, source->gradient.y, -1},
+                              first->sigma - gd__source_distance(source, first->at)};
+    struct gd__local a = {source->at.x - first->at.x, source->at.y - first->at.y};
+    double k = source->sigma - first->sigma;
+    return (struct plane){{a.x, a.y, -k}, 0.5 * (dot(a, a) - k * k)};
+}
+
+/* The point of three planes; not finite where there is none. */
+static struct gd_vec3 meet_planes(const struct plane *a, const struct plane *b, const struct plane *c)
+{
+    struct gd_vec3 bc = gd_vec3_cross(b->normal, c->normal), ca = gd_vec3_cross(c->normal, a->normal),
+                   ab = gd_vec3_cross(a->normal, b->normal);
+    struct gd_vec3 sum = gd_vec3_along(gd_vec3_along(gd_vec3_scale(bc, a->value), b->value, ca), c->value, ab);
+    return gd_vec3_scale(sum, 1 / gd_vec3_dot(a->normal, bc));
+}
+
+/* How far the square of a vector's height falls short of the square of its way in the plane: 0 on the cone |p| = r. */
+static double cone_form(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return a.x * b.x + a.y * b.y - a.z * b.z;
+}
+
+/* Where the line in which two planes meet passes the cone |p| = |r|: u + t w, a quadratic in t. Returns how many points there are. */
+static int meet_cone(const struct plane *a, const struct plane *b, struct gd_vec3 point[2])
+{
+    struct gd_vec3 w = gd_vec3_cross(a->normal, b->normal);
+    struct plane across = {w, 0};
+    struct gd_vec3 u = meet_planes(a, b, &across);
+    double q2 = cone_form(w, w), q1 = cone_form(u, w), q0 = cone_form(u, u), discriminant = q1 * q1 - q2 * q0;
     if (!(discriminant >= 0)) return 0;
     double z = -(q1 + copysign(sqrt(discriminant), q1)), root[2] = {q0 / z, z / q2};
     int count = 0;
-    for (int i = 0; i < 2; i++) {
-        double r = root[i];
-        if (!(r >= 0 && r >= k && r >= l && isfinite(r))) continue;
-        place[count++] = (struct gd__local){s[0]->at.x + u.x + r * w.x, s[0]->at.y + u.y + r * w.y};
-    }
+    for (int i = 0; i < 2; i++)
+        if (isfinite(root[i])) point[count++] = gd_vec3_along(u, root[i], w);
     return count;
+}
+
+/* Is a distance, counted from the first source's, that of a point at all, and not its image beyond the cone's apex? */
+static bool is_distance(const struct gd__source *first, const struct gd__source *source, double r)
+{
+    return source->linear || r >= source->sigma - first->sigma;
+}
+
+/* Places as far from a source as from two others; the first is a point, or all are linear. Returns how many there are. */
+static int places_between(const struct gd__source *const s[3], struct gd__local place[2])
+{
+    struct gd_vec3 point[2];
+    int count = 1, kept = 0;
+    const struct gd__source origin = {0};
+    const struct gd__source *first = s[0]->linear ? &origin : s[0];
+    struct plane planes[3];
+    for (int i = 0; i < 3; i++) planes[i] = plane_between(first, s[i]);
+    if (s[0]->linear)
+        point[0] = meet_planes(&planes[0], &planes[1], &planes[2]);
+    else
+        count = meet_cone(&planes[1], &planes[2], point);
+    for (int i = 0; i < count; i++) {
+        if (is_distance(first, s[0], point[i].z) && is_distance(first, s[1], point[i].z) &&
+            is_distance(first, s[2], point[i].z))
+            place[kept++] = (struct gd__local){first->at.x + point[i].x, first->at.y + point[i].y};
+    }
+    return kept;
 }
 
 static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
@@ -174,6 +230,9 @@ static void search_between(struct search *search, uint32_t i, uint32_t k, uint32
 {
     const struct gd__source *all = search->sources.source, *s[3] = {&all[i], &all[k], &all[l]};
     struct gd__local place[2];
+    int point = s[0]->linear ? s[1]->linear ? 2 : 1 : 0; /* the first, if there is one */
+    s[0] = s[point];
+    s[point] = &all[i];
     int count = places_between(s, place);
     for (int p = 0; p < count; p++)
         if (gd__source_distance(s[0], place[p]) > search->best && is_in_face(&search->sources.frame, place[p]))
@@ -189,31 +248,39 @@ static void search_inside(struct search *search)
                 search_between(search, rising[i], rising[k], rising[l]);
 }
 
-/* --- on the boundary ----------------------------------------------------------------------------------------------------- */
+/* --- along edges --------------------------------------------------------------------------------------------------------- */
 
 /* A source as a window of side k; whether it lies above or below the side makes no difference along it. */
 static struct gd__window window_of(const struct gd__frame *frame, int k, const struct gd__source *source)
 {
-    struct gd__local from = {source->at.x - frame->corner[k].x, source->at.y - frame->corner[k].y};
+    struct gd__local corner = frame->corner[k], from = {source->at.x - corner.x, source->at.y - corner.y},
+                     towards = {-source->gradient.x, -source->gradient.y}, image = source->linear ? towards : from;
     return (struct gd__window){.b1 = frame->length[k],
-                               .x = dot(frame->along[k], from),
-                               .y = fabs(cross(frame->along[k], from)),
-                               .sigma = source->sigma};
+                               .x = dot(frame->along[k], image),
+                               .y = fabs(cross(frame->along[k], image)),
+                               .sigma = source->linear ? gd__source_distance(source, corner) : source->sigma,
+                               .source = source->linear ? GD__SOURCE_LINEAR : 0};
 }
 
-static void search_along(struct search *search, int k)
+static void search_pair_along(struct search *search, int k, const struct gd__source *first,
+                              const struct gd__source *second)
 {
     const struct gd__frame *frame = &search->sources.frame;
-    for (uint32_t i = 0; i < search->rising_count; i++) {
-        for (uint32_t j = i + 1; j < search->rising_count; j++) {
-            struct gd__window a = window_of(frame, k, &search->sources.source[search->rising[i]]),
-                              b = window_of(frame, k, &search->sources.source[search->rising[j]]);
-            struct gd__verdict verdict = gd__contest(&a, &b, 0, frame->length[k]);
-            for (int s = 0; s < verdict.switches; s++)
-                if (gd__window_distance(&a, verdict.at[s]) > search->best)
-                    offer(search, gd__frame_place(frame, k, verdict.at[s], 0));
-        }
-    }
+    struct gd__window a = window_of(frame, k, first), b = window_of(frame, k, second);
+    struct gd__verdict verdict = gd__contest(&a, &b, 0, frame->length[k]);
+    for (int s = 0; s < verdict.switches; s++)
+        if (gd__window_distance(&a, verdict.at[s]) > search->best)
+            offer(search, gd__frame_place(frame, k, verdict.at[s], 0));
+}
+
+static void search_along(struct search *search, int k, bool is_boundary)
+{
+    const struct gd__source *all = search->sources.source;
+    const uint32_t *rising = search->rising;
+    for (uint32_t i = 0; i < search->rising_count; i++)
+        for (uint32_t j = i + 1; j < search->rising_count; j++)
+            if (is_boundary || (all[rising[i]].linear && all[rising[j]].linear))
+                search_pair_along(search, k, &all[rising[i]], &all[rising[j]]);
 }
 
 static enum gd_status search_face(struct search *search, uint32_t face)
@@ -221,7 +288,7 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     enum gd_status status = find_rising(search, face);
     if (status) return status;
     for (int k = 0; k < 3; k++)
-        if (gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1)) search_along(search, k);
+        search_along(search, k, gd__side_is_boundary(search->mesh, search->mesh->face_side[face][k] ^ 1));
     search_inside(search);
     return GD_OK;
 }
@@ -230,7 +297,6 @@ enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_c
                                  double *distance)
 {
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    if (field->has_segments) return GD_UNSUPPORTED;
     struct search search = {.field = field, .mesh = field->mesh};
     take_farthest_vertex(&search);
     enum gd_status status = gd_control_check(control, 0);

@@ -176,14 +176,14 @@ static struct gd_isoline_arc export_arc(const struct gd_mesh *mesh, const struct
                                    .v = piece->centre.y * mesh->unit,
                                    .radius = piece->radius * mesh->unit,
                                    .from = piece->from,
-                                   .to = piece->to,
+                                   .to = piece->radius > 0 ? piece->to : piece->to * mesh->unit,
                                    .centre = gd_vec3_scale(centre, mesh->unit)};
 }
 
 /* From a point back to it without going round: an arc of no length. */
 static bool is_point(const struct gd_isoline_arc *arc, const struct gd_point *start, const struct gd_point *stop)
 {
-    return gd_point_equal(start, stop) && arc->to - arc->from < M_PI;
+    return gd_point_equal(start, stop) && (arc->radius == 0 || arc->to - arc->from < M_PI);
 }
 
 struct exporter {
@@ -222,8 +222,7 @@ static void end_line(struct exporter *exporter, bool closed)
                                    .arcs = to->arcs + exporter->first_arc,
                                    .point_count = exporter->points - exporter->first_point,
                                    .points = to->points + exporter->first_point};
-    for (uint32_t i = 0; i < line.arc_count; i++)
-        line.length += line.arcs[i].radius * fabs(line.arcs[i].to - line.arcs[i].from);
+    for (uint32_t i = 0; i < line.arc_count; i++) line.length += gd_isoline_arc_length(&line.arcs[i]);
     if (line.arc_count) to->lines[to->line_count++] = line;
 }
 
@@ -278,7 +277,6 @@ enum gd_status gd_isoline_trace(const struct gd_field *field, double level, cons
                                 struct gd_isoline *out)
 {
     if (!(level >= 0 && isfinite(level))) return GD_INVALID_ARGUMENT;
-    if (field->has_segments) return GD_UNSUPPORTED;
     struct tracer tracer = {
         .field = field, .mesh = field->mesh, .level = level / field->mesh->unit, .pace = {.control = control}};
     if (tracer.level > field->reach) return GD_BEYOND_REACH;

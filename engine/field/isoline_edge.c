@@ -2,7 +2,10 @@
 #include "field/isoline_parts.h"
 
 /* Where the distance along an edge passes the level. Each source that the edge is seen from gives places at which it may; between two places
- * that follow each other the distance is all below the level or not at all, so that one question in their middle tells. */
+ * that follow each other the distance is all below the level or not at all, so that one question in their middle tells.
+ *
+ * What has the level's distance up to rounding is not below, but for vertices, on which all edges agree: a segment's isoline may run along whole
+ * edges, and touch others between their ends. */
 
 static enum gd_status put(struct gd__places *places, double t, double length)
 {
@@ -14,9 +17,18 @@ static enum gd_status put(struct gd__places *places, double t, double length)
     return GD_OK;
 }
 
-/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to rounding does not pass it (circle.c has the same). */
+/* sigma - x t = level, within a linear window. A line in which the edge lies up to rounding does not pass it (circle.c has the same). */
+static enum gd_status put_root(struct gd__places *places, const struct gd__window *w, double level, double length)
+{
+    double t = (w->sigma - level) / w->x, more = gd__stored_slack(length);
+    if (!(fabs(w->x) * length > gd__envelope_slack(level, length))) return GD_OK;
+    return t >= w->b0 - more && t <= w->b1 + more ? put(places, t, length) : GD_OK;
+}
+
+/* sigma + |(t, 0) - (x, -y)| = level, within the window. A circle that touches the edge up to rounding does not pass it. */
 static enum gd_status put_roots(struct gd__places *places, const struct gd__window *w, double level, double length)
 {
+    if (gd__window_is_linear(w)) return put_root(places, w, level, length);
     double radius = level - w->sigma;
     if (!(radius > w->y + gd__envelope_slack(level, length))) return GD_OK;
     double half = sqrt((radius - w->y) * (radius + w->y));
@@ -42,7 +54,7 @@ static enum gd_status put_wedges(const struct gd_field *field, uint32_t edge, do
     return status;
 }
 
-/* Seeds on the edge itself reach it by no wedge. */
+/* Points on the edge itself reach it by no wedge; along a segment on it nothing changes. */
 static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, double level, struct gd__places *places)
 {
     const struct gd_mesh *mesh = field->mesh;
@@ -52,7 +64,7 @@ static enum gd_status put_seeds(const struct gd_field *field, uint32_t edge, dou
     enum gd_status status = GD_OK;
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face && !status; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
-        if (seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) continue;
+        if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) continue;
         struct gd__window all = {.b1 = length, .x = seed->point.weight[0] * length, .sigma = seed->offset};
         status = put_roots(places, &all, level, length);
     }
@@ -88,10 +100,11 @@ static enum gd_status find_places(const struct gd_field *field, uint32_t edge, d
 
 static bool is_below(const struct gd_field *field, uint32_t edge, double t, double level)
 {
-    struct gd_point point = gd__point_of_edge(field->mesh, edge, t / field->mesh->side[2 * edge].length);
+    double length = field->mesh->side[2 * edge].length;
+    struct gd_point point = gd__point_of_edge(field->mesh, edge, t / length);
     struct gd__way way;
     gd__field_way(field, &point, &way);
-    return way.distance < level;
+    return way.distance < level - gd__envelope_slack(level, length);
 }
 
 static enum gd_status append(struct gd__parts *parts, struct gd__crossing crossing)

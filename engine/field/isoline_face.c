@@ -243,16 +243,30 @@ static double angle_near(const struct gd__circle *circle, double angle, struct g
     return angle + remainder(gd__circle_angle(circle, at) - angle, 2 * M_PI);
 }
 
+/* How far it is to a place, less than 0 if it lies behind. */
+static double way_along(const struct gd__circle *line, struct gd__local start, struct gd__local stop)
+{
+    struct gd__local along = gd__circle_along(line);
+    double dx = stop.x - start.x, dy = stop.y - start.y;
+    return copysign(sqrt(dx * dx + dy * dy), dx * along.x + dy * along.y);
+}
+
 /* An arc as a piece from one end to another, at which it is taken to start and to stop. */
 static struct gd__piece piece_of(const struct work *work, const struct gd__arc *arc, const struct gd__end *start,
                                  const struct gd__end *stop)
 {
-    return (struct gd__piece){.face = work->scratch->sources.face,
-                              .start = point_of(work, start),
-                              .centre = arc->circle.centre,
-                              .radius = arc->circle.radius,
-                              .from = arc->circle.zero + angle_near(&arc->circle, arc->from, start->at),
-                              .to = arc->circle.zero + angle_near(&arc->circle, arc->to, stop->at)};
+    const struct gd__circle *circle = &arc->circle;
+    struct gd__piece piece = {.face = work->scratch->sources.face, .start = point_of(work, start)};
+    if (circle->straight) {
+        piece.centre = start->at;
+        piece.to = way_along(circle, start->at, stop->at);
+        return piece;
+    }
+    piece.centre = circle->centre;
+    piece.radius = circle->radius;
+    piece.from = circle->zero + angle_near(circle, arc->from, start->at);
+    piece.to = circle->zero + angle_near(circle, arc->to, stop->at);
+    return piece;
 }
 
 /* Two crossings between which no arc was found: there is none but by rounding. One about the source that suits both best stands in for it. */
@@ -275,6 +289,18 @@ static enum gd_status bridge(const struct work *work, const struct gd__end *entr
     return append_piece(work->parts, &piece);
 }
 
+/* A loop within the face may be what rounding leaves uncovered where lines cross. It is no longer than what the level is promised to. */
+static bool is_rounding(const struct work *work, const struct gd__chain *chain)
+{
+    double length = 0;
+    if (chain->exit != GD_NONE) return false;
+    for (uint32_t i = 0; i < chain->count; i++) {
+        const struct gd__piece *piece = &work->parts->piece[chain->first + i];
+        length += (piece->radius > 0 ? piece->radius : 1) * fabs(piece->to - piece->from);
+    }
+    return length <= GD_TOL_CHECK * work->level;
+}
+
 /* Appends the arcs that follow an end that goes on: up to the crossing where they leave, or back to the first. */
 static enum gd_status chain_from(const struct work *work, const struct gd__end *entry)
 {
@@ -295,7 +321,9 @@ static enum gd_status chain_from(const struct work *work, const struct gd__end *
     if (!status && start->arc == GD_NONE) chain.exit = start->crossing;
     if (!status && !chain.has_arcs) status = bridge(work, entry, start);
     chain.count = work->parts->piece_count - chain.first;
-    return status ? status : append_chain(work->parts, &chain);
+    if (status || !is_rounding(work, &chain)) return status ? status : append_chain(work->parts, &chain);
+    work->parts->piece_count = chain.first;
+    return GD_OK;
 }
 
 static enum gd_status append_chains(const struct work *work)

@@ -10,13 +10,14 @@ enum { SEGMENTS_MOST = 1024 /* of an arc */, STEPS_A_POINT = 4 };
 /* Segments whose arcs rise no higher above their chords than the tolerance: radius (1 - cos(step / 2)) = 2 radius sin^2(step / 4). */
 static uint32_t segments_of(const struct gd_isoline_arc *arc, double tolerance)
 {
+    if (arc->radius == 0) return 1;
     double extent = fabs(arc->to - arc->from), rise = tolerance / (2 * arc->radius);
     double step = rise < 1 ? 4 * asin(sqrt(rise)) : 2 * M_PI;
     double segments = ceil(extent / fmin(step, M_PI_2)); /* a circle keeps its shape */
     return segments < 1 ? 1 : segments < SEGMENTS_MOST ? (uint32_t)segments : SEGMENTS_MOST;
 }
 
-/* Appends the points of an arc behind its start, and the length of its chords. */
+/* Appends the points of an arc between its ends, and the length of its chords. */
 static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc, uint32_t segments,
                        struct gd_path *path)
 {
@@ -29,7 +30,7 @@ static void append_arc(const struct gd_mesh *mesh, const struct gd_isoline_arc *
                                (arc->v + arc->radius * sin(angle)) / mesh->unit};
         path->points[path->count++] = gd__frame_point(mesh, face, &frame, at);
     }
-    path->length += segments * 2 * arc->radius * fabs(sin(0.5 * step));
+    path->length += arc->radius > 0 ? segments * 2 * arc->radius * fabs(sin(0.5 * step)) : fabs(step);
 }
 
 static enum gd_status append_line(const struct gd_mesh *mesh, const struct gd_isoline_line *line, double tolerance,

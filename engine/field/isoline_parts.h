@@ -4,7 +4,8 @@
  * - The isoline bounds the points below the level, which lie to its left. A vertex is below or not, by its distance alone; so is a point of an
  *   edge, and both faces of an edge see the same crossings. Around a face there are as many crossings by which lines come in as go out:
  *   topology can't be lost, however rounding falls.
- * - Inside a face the line is made of arcs, each the part of one source's circle that no other source is nearer to (circle.h). Ends of arcs and
+ * - Inside a face the line is made of arcs, each the part of one source's circle, or of a segment's line, that no other source is nearer to
+ *   (circle.h). Ends of arcs and
  *   crossings are matched by place, nearest first: so each arc goes on in another one or at a crossing, and what is left over closes on itself.
  * - Inside unit; places and angles in the face's frame (frame.h). */
 #ifndef GD_FIELD_ISOLINE_PARTS_H
@@ -43,7 +44,8 @@ struct gd__crossing {
     bool from_below; /* it is below the level before t */
 };
 
-/* An arc, from its start to the start of what follows. */
+/* An arc, from its start to the start of what follows; or, of radius 0, the straight way there, whose centre is its start and which has
+ * lengths in place of angles. */
 struct gd__piece {
     uint32_t face;
     struct gd_point start;

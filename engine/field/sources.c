@@ -1,9 +1,7 @@
 #include "field/sources.h"
 
 #include "field/array.h"
-
-/* Ends of wedges are stored to 2^-32 of the edge: a source is taken to see two such units more, where it ties with its neighbour. */
-#define LENGTHENED 2
+#include "mesh/segment.h"
 
 static enum gd_status append(struct gd__sources *sources, const struct gd__source *source)
 {
@@ -24,7 +22,8 @@ void gd__sources_destroy(struct gd__sources *sources)
 bool gd__sources_window(const struct gd_field *field, const struct gd__chunk *chunk, uint32_t i, uint32_t side,
                         struct gd__window *out)
 {
-    double length = field->mesh->side[side].length, more = LENGTHENED * GD__WEDGE_UNIT * length;
+    double length = field->mesh->side[side].length,
+           more = gd__stored_slack(length); /* it ties with its neighbour there */
     struct gd__window w = gd__field_window(field, chunk, i, length);
     if (w.source == GD_NONE) return false;
     if (side & 1) w = gd__window_mirrored(&w, length);
@@ -42,19 +41,38 @@ static struct gd__local normal(const struct gd__frame *frame, int k, double x, d
     return length > 0 ? gd__frame_turn(frame, k, x / length, y / length) : gd__frame_turn(frame, k, 0, 1);
 }
 
-/* A window that looks into the face across its side k. */
+/* A linear source's sigma from its distance at a place. */
+static void set_gradient(struct gd__source *source, struct gd__local gradient, struct gd__local at, double distance)
+{
+    source->linear = source->has_sector = true;
+    source->gradient = gradient;
+    source->sigma = distance - (gradient.x * at.x + gradient.y * at.y);
+}
+
+/* A window that looks into the face across its side k. In homogeneous coordinates (window.h) its sector's normals are alike for both kinds. */
 static struct gd__source source_of_window(const struct gd__frame *frame, int k, const struct gd__window *w)
 {
-    return (struct gd__source){
-        .at = gd__frame_place(frame, k, w->x, -w->y),
+    bool linear = gd__window_is_linear(w);
+    double b0 = linear ? 0 : w->b0, b1 = linear ? 0 : w->b1;
+    struct gd__local place = gd__frame_place(frame, k, w->x, -w->y);
+    struct gd__source source = {
+        .at = place,
         .sigma = w->sigma,
         .has_sector = true,
-        .left = normal(frame, k, w->y, w->x - w->b0),
-        .right = normal(frame, k, -w->y, w->b1 - w->x),
+        .left = normal(frame, k, w->y, w->x - b0),
+        .right = normal(frame, k, -w->y, b1 - w->x),
+        .left_at = place,
+        .right_at = place,
         .nearest = gd__window_nearest(w),
         .farthest = fmax(gd__window_distance(w, w->b0), gd__window_distance(w, w->b1)),
-        .pseudo = w->source,
+        .pseudo = w->source & ~GD__SOURCE_LINEAR,
     };
+    if (!linear) return source;
+    source.at = (struct gd__local){0, 0};
+    source.left_at = gd__frame_place(frame, k, w->b0, 0);
+    source.right_at = gd__frame_place(frame, k, w->b1, 0);
+    set_gradient(&source, gd__frame_turn(frame, k, -w->x, w->y), frame->corner[k], w->sigma);
+    return source;
 }
 
 static enum gd_status append_wedges(const struct gd_field *field, int k, double most, struct gd__sources *out)
@@ -75,6 +93,58 @@ static enum gd_status append_wedges(const struct gd_field *field, int k, double 
     return GD_OK;
 }
 
+static enum gd_status append_point(const struct gd_field *field, uint32_t seed, struct gd__sources *out)
+{
+    const struct gd__seed *s = &field->seeds[seed];
+    double weight[3];
+    gd__point_weights(field->mesh, &s->point, out->face, weight);
+    struct gd__local place = gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight);
+    return append(out, &(struct gd__source){.at = place,
+                                            .sigma = s->offset,
+                                            .left_at = place,
+                                            .right_at = place,
+                                            .nearest = s->offset,
+                                            .farthest = s->offset,
+                                            .pseudo = field->mesh->vertex_count + seed});
+}
+
+/* What a segment sees on its left (`left` = 1) or on its right (-1). */
+static struct gd__source source_of_chord(const struct gd__chord *chord, int left, double offset)
+{
+    struct gd__local u = {left * chord->along.x, left * chord->along.y};
+    struct gd__local ends[2] = {
+        chord->from, {chord->from.x + chord->length * chord->along.x, chord->from.y + chord->length * chord->along.y}};
+    struct gd__source source = {.left = u,
+                                .right = {-u.x, -u.y},
+                                .left_at = ends[left < 0],
+                                .right_at = ends[left > 0],
+                                .nearest = offset,
+                                .farthest = offset};
+    set_gradient(&source, (struct gd__local){-u.y, u.x}, chord->from, offset);
+    return source;
+}
+
+/* A segment along an edge sees the face on one side of it only. */
+static enum gd_status append_chord(const struct gd_field *field, uint32_t seed, struct gd__sources *out)
+{
+    const struct gd__seed *s = &field->seeds[seed];
+    const struct gd__local *corner = out->frame.corner;
+    struct gd__home home = {GD_NONE, GD_NONE};
+    struct gd__chord chord = gd__chord(field->mesh, out->face, 0, &s->point, &s->end);
+    struct gd__local middle = {(corner[0].x + corner[1].x + corner[2].x) / 3,
+                               (corner[0].y + corner[1].y + corner[2].y) / 3};
+    bool is_inside = gd__segment_home(field->mesh, &s->point, &s->end, &home) && home.edge == GD_NONE,
+         has_middle_on_left = gd__chord_height(&chord, middle) > 0;
+    enum gd_status status = GD_OK;
+    for (int left = -1; left <= 1 && !status; left += 2) {
+        if (!is_inside && has_middle_on_left != (left > 0)) continue;
+        struct gd__source source = source_of_chord(&chord, left, s->offset);
+        source.pseudo = field->mesh->vertex_count + seed;
+        status = append(out, &source);
+    }
+    return status;
+}
+
 static enum gd_status append_seeds(const struct gd_field *field, double most, struct gd__sources *out)
 {
     enum gd_status status = GD_OK;
@@ -82,14 +152,8 @@ static enum gd_status append_seeds(const struct gd_field *field, double most, st
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, out->face);
          f < end && f->face == out->face && !status; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
-        double weight[3];
-        gd__point_weights(field->mesh, &seed->point, out->face, weight);
-        struct gd__source source = {.at = gd__face_local(field->mesh, field->mesh->face_side[out->face][0], weight),
-                                    .sigma = seed->offset,
-                                    .nearest = seed->offset,
-                                    .farthest = seed->offset,
-                                    .pseudo = field->mesh->vertex_count + f->seed};
-        if (source.nearest < most) status = append(out, &source);
+        if (seed->offset >= most) continue;
+        status = seed->is_segment ? append_chord(field, f->seed, out) : append_point(field, f->seed, out);
     }
     return status;
 }
@@ -100,8 +164,13 @@ static enum gd_status append_corners(const struct gd_field *field, double most, 
     for (int k = 0; k < 3 && !status; k++) {
         uint32_t vertex = field->mesh->origin[field->mesh->face_side[out->face][k]];
         double distance = field->distance[vertex];
-        struct gd__source source = {
-            .at = out->frame.corner[k], .sigma = distance, .nearest = distance, .farthest = distance, .pseudo = vertex};
+        struct gd__source source = {.at = out->frame.corner[k],
+                                    .sigma = distance,
+                                    .left_at = out->frame.corner[k],
+                                    .right_at = out->frame.corner[k],
+                                    .nearest = distance,
+                                    .farthest = distance,
+                                    .pseudo = vertex};
         if (source.nearest < most) status = append(out, &source);
     }
     return status;
@@ -112,9 +181,8 @@ enum gd_status gd__sources_gather(const struct gd_field *field, uint32_t face, d
     out->face = face;
     out->frame = gd__frame_of_face(field->mesh, face);
     out->count = 0;
-    enum gd_status status = GD_OK;
+    enum gd_status status = append_seeds(field, most, out);
     for (int k = 0; k < 3 && !status; k++) status = append_wedges(field, k, most, out);
-    if (!status) status = append_seeds(field, most, out);
     if (!status) status = append_corners(field, most, out);
     return status;
 }

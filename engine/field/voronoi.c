@@ -49,7 +49,15 @@ static enum gd_status open_diagram(struct gd__diagram *diagram)
     diagram->nearest = malloc(sizeof *diagram->nearest * mesh->vertex_count);
     diagram->first_switch = malloc(sizeof *diagram->first_switch * ((size_t)mesh->edge_count + 1));
     if (!diagram->owner || !diagram->nearest || !diagram->first_switch) return GD_NO_MEMORY;
-    return gd__members_find(diagram->field, &diagram->members);
+    return gd__members_find(diagram->field, diagram->member_of_seed, &diagram->members);
+}
+
+/* Is it a seed's, whose member has the tie with all that begin there? */
+static bool is_seed(const struct gd_field *field, uint32_t vertex)
+{
+    struct gd__birth birth = field->birth[vertex];
+    if (birth.side != GD_NONE || birth.source == GD_NONE || birth.source < field->mesh->vertex_count) return false;
+    return field->seeds[gd__field_seed_of(field, birth.source)].point.kind == GD_POINT_VERTEX;
 }
 
 /* Vertices to those whose pseudo-sources they are. */
@@ -58,7 +66,8 @@ static void reset_owners(struct gd__diagram *diagram)
     diagram->changed = 0;
     for (uint32_t v = 0; v < diagram->mesh->vertex_count; v++) {
         uint32_t member = diagram->owner[v] = diagram->members.of[v];
-        diagram->nearest[v] = diagram->field->distance[v] + (member == GD_NONE ? 0 : diagram->members.nudge[member]);
+        double nudge = member == GD_NONE ? 0 : diagram->members.nudge[member];
+        diagram->nearest[v] = is_seed(diagram->field, v) ? 0 : diagram->field->distance[v] + nudge;
     }
 }
 
@@ -168,7 +177,7 @@ static bool is_mixed_face(const struct gd__diagram *diagram, const bool *is_mixe
     uint32_t member = diagram->owner[mesh->origin[mesh->face_side[face][0]]];
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++)
-        if (diagram->members.of[mesh->vertex_count + f->seed] != member) return true;
+        if (gd__member_of(&diagram->members, mesh->vertex_count + f->seed) != member) return true;
     return false;
 }
 
@@ -191,6 +200,7 @@ static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_v
     struct gd__diagram *diagram = &tracer->diagram;
     bool *is_mixed = malloc(sizeof *is_mixed * diagram->mesh->edge_count);
     enum gd_status status = is_mixed ? open_diagram(diagram) : GD_NO_MEMORY;
+    if (!status) status = gd__members_settle(diagram->field, tracer->control, &diagram->members);
     if (!status) status = settle_owners(tracer);
     if (!status) status = find_switches(tracer, is_mixed);
     if (!status) status = find_strands(tracer, is_mixed);
@@ -200,13 +210,13 @@ static enum gd_status trace(struct tracer *tracer, double tolerance, struct gd_v
     return status;
 }
 
-enum gd_status gd_voronoi_trace(const struct gd_field *field, double tolerance, const struct gd_control *control,
-                                struct gd_voronoi *out)
+enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *member_of_seed, double tolerance,
+                                const struct gd_control *control, struct gd_voronoi *out)
 {
     if (!(tolerance > 0)) return GD_INVALID_ARGUMENT;
     if (field->reach < GD__FAR) return GD_BEYOND_REACH;
-    if (field->has_segments) return GD_UNSUPPORTED;
-    struct tracer tracer = {.diagram = {.field = field, .mesh = field->mesh}, .control = control};
+    struct tracer tracer = {.diagram = {.field = field, .mesh = field->mesh, .member_of_seed = member_of_seed},
+                            .control = control};
     enum gd_status status = trace(&tracer, tolerance, out);
     close_diagram(&tracer.diagram);
     close_scratch(&tracer.scratch);

@@ -25,61 +25,151 @@ static double norm(struct gd__local a)
 
 /* --- the branch ---------------------------------------------------------------------------------------------------------- */
 
-bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *other, struct gd__local middle,
-                        struct gd__branch *out)
+static struct gd__local unit_vector(double angle)
 {
-    struct gd__local a = minus(other->at, source->at), towards = minus(middle, source->at);
-    double k = other->sigma - source->sigma, apart = norm(a);
-    double excess = (apart - k) * (apart + k);
+    return (struct gd__local){cos(angle), sin(angle)};
+}
+
+static bool from_point_to_point(const struct gd__focus *source, const struct gd__focus *other, struct gd__branch *out)
+{
+    struct gd__local a = minus(other->at, source->at);
+    double k = other->sigma - source->sigma, apart = norm(a), excess = (apart - k) * (apart + k);
     if (!(excess > 0)) return false;
-    double zero = atan2(towards.y, towards.x);
-    *out = (struct gd__branch){source->at, a, source->sigma, k, 2 / excess, zero, {cos(zero), sin(zero)}};
+    out->slope = (struct gd__local){2 / excess * a.x, 2 / excess * a.y};
+    out->rest = -2 / excess * k;
     return true;
+}
+
+static bool from_point_to_line(const struct gd__focus *source, const struct gd__focus *line, struct gd__branch *out)
+{
+    double k = gd__focus_distance(line, source->at) - source->sigma;
+    if (!(k > 0)) return false;
+    out->slope = (struct gd__local){-line->gradient.x / k, -line->gradient.y / k};
+    out->rest = 1 / k;
+    return true;
+}
+
+/* The line d p = k, d the difference of the gradients, from a place that lies `size` beside it. Gradients closer together than the nudge are those of
+ * one line. */
+static bool between_lines(const struct gd__focus *source, const struct gd__focus *other, struct gd__local middle,
+                          double size, struct gd__branch *out)
+{
+    struct gd__local d = minus(source->gradient, other->gradient);
+    double steepness = norm(d);
+    if (!(steepness > GD_TOL_TIE)) return false;
+    struct gd__local m = {d.x / steepness, d.y / steepness};
+    double off = (gd__focus_distance(source, middle) - gd__focus_distance(other, middle)) / steepness;
+    out->centre = along(middle, -off - size, m);
+    out->slope = (struct gd__local){m.x / size, m.y / size};
+    out->rest = 0;
+    out->zero = atan2(m.y, m.x);
+    return true;
+}
+
+bool gd__branch_between(const struct gd__focus *source, const struct gd__focus *other, struct gd__local middle,
+                        double size, struct gd__branch *out)
+{
+    struct gd__local towards = minus(middle, source->at);
+    struct gd__branch branch = {.source = *source, .centre = source->at, .zero = atan2(towards.y, towards.x)};
+    bool is_there = source->linear  ? between_lines(source, other, middle, size, &branch)
+                    : other->linear ? from_point_to_line(source, other, &branch)
+                                    : from_point_to_point(source, other, &branch);
+    if (!is_there) return false;
+    branch.towards = unit_vector(branch.zero);
+    *out = branch;
+    return true;
+}
+
+double gd__branch_width(const struct gd__branch *branch)
+{
+    return 1 / norm(branch->slope);
 }
 
 struct gd__local gd__branch_place(const struct gd__branch *branch, double angle)
 {
-    double turned = branch->zero + angle;
-    struct gd__local u = {cos(turned), sin(turned)};
-    return along(branch->focus, 1 / (branch->scale * (dot(branch->other, u) - branch->later)), u);
+    struct gd__local u = unit_vector(branch->zero + angle);
+    return along(branch->centre, 1 / (dot(branch->slope, u) + branch->rest), u);
 }
 
-/* Where w u >= q for the unit vector u of the angle. */
-static struct gd__turn where(const struct gd__branch *branch, struct gd__local w, double q)
+/* --- parts of the turn --------------------------------------------------------------------------------------------------- */
+
+/* Where m u >= h for the unit vector u of the angle. */
+static struct gd__turn where(const struct gd__branch *branch, struct gd__local m, double h)
 {
     struct gd__local z = branch->towards;
-    double size = norm(w);
-    if (!(size > 0)) return q <= 0 ? gd__turn_all : (struct gd__turn){0};
-    return gd__turn_around(atan2(z.x * w.y - z.y * w.x, dot(z, w)), q / size);
+    double size = norm(m);
+    if (!(size > 0)) return h <= 0 ? gd__turn_all : (struct gd__turn){0};
+    return gd__turn_around(atan2(z.x * m.y - z.y * m.x, dot(z, m)), h / size);
+}
+
+/* Where m r u >= h: m u - h / r >= 0. */
+static struct gd__turn where_beyond(const struct gd__branch *branch, struct gd__local m, double h)
+{
+    return where(branch, along(m, -h, branch->slope), h * branch->rest);
 }
 
 struct gd__turn gd__branch_turn(const struct gd__branch *branch)
 {
-    return where(branch, branch->other, branch->later);
+    return where(branch, branch->slope, -branch->rest);
 }
 
-/* n r u >= h, where h is how far the line lies from the source: n u - h / r >= 0. */
 struct gd__turn gd__branch_beyond(const struct gd__branch *branch, struct gd__local normal, struct gd__local through)
 {
-    double h = dot(normal, minus(through, branch->focus)), c = h * branch->scale;
-    return where(branch, along(normal, -c, branch->other), -c * branch->later);
+    return where_beyond(branch, normal, dot(normal, minus(through, branch->centre)));
 }
 
 /* |r u - b| < r - l, squared and divided by r: 2 (b u - l) > (b b - l^2) / r. */
-struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+static struct gd__turn point_lost_to_point(const struct gd__branch *branch, const struct gd__focus *third, double slack)
 {
-    struct gd__local b = minus(third->at, branch->focus);
-    double l = third->sigma + slack - branch->sigma, apart = norm(b);
+    struct gd__local b = minus(third->at, branch->centre);
+    double l = third->sigma + slack - branch->source.sigma, apart = norm(b);
     if (l >= apart) return (struct gd__turn){0};
     if (l <= -apart) return gd__turn_all;
-    double g = 0.5 * (apart - l) * (apart + l) * branch->scale;
-    return where(branch, along(b, -g, branch->other), l - g * branch->later);
+    double g = 0.5 * (apart - l) * (apart + l);
+    return where(branch, along(b, -g, branch->slope), l + g * branch->rest);
+}
+
+/* l + r g u < r, where l is how much farther the line is at the point: 1 - g u > l / r. */
+static struct gd__turn point_lost_to_line(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+{
+    struct gd__local towards = {-third->gradient.x, -third->gradient.y};
+    double l = gd__focus_distance(third, branch->centre) + slack - branch->source.sigma;
+    return where(branch, along(towards, -l, branch->slope), l * branch->rest - 1);
+}
+
+static struct gd__turn line_lost_to_line(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+{
+    double l = gd__focus_distance(third, branch->centre) + slack - gd__focus_distance(&branch->source, branch->centre);
+    return where_beyond(branch, minus(branch->source.gradient, third->gradient), l);
+}
+
+/* Along the line, s from the foot of the point's perpendicular, which is y long: s^2 + y^2 < (a + b s)^2 and a + b s > 0. */
+static struct gd__turn line_lost_to_point(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+{
+    struct gd__local m = branch->towards, onwards = {-m.y, m.x};
+    double beside = 1 / dot(branch->slope, m);
+    struct gd__local to_third = minus(third->at, branch->centre);
+    double foot = dot(to_third, onwards), y = dot(to_third, m) - beside;
+    double a = gd__focus_distance(&branch->source, along(third->at, -y, m)) - third->sigma - slack,
+           b = dot(branch->source.gradient, onwards), square = (1 - b) * (1 + b);
+    double discriminant = a * a - square * y * y;
+    if (!(a > 0 && discriminant > 0)) return (struct gd__turn){0};
+    double from = (a * b - sqrt(discriminant)) / square, to = (a * b + sqrt(discriminant)) / square;
+    return (struct gd__turn){1, {{.from = atan((foot + from) / beside), .to = atan((foot + to) / beside)}}};
+}
+
+struct gd__turn gd__branch_lost_to(const struct gd__branch *branch, const struct gd__focus *third, double slack)
+{
+    if (branch->source.linear)
+        return third->linear ? line_lost_to_line(branch, third, slack) : line_lost_to_point(branch, third, slack);
+    return third->linear ? point_lost_to_line(branch, third, slack) : point_lost_to_point(branch, third, slack);
 }
 
 /* --- places by Newton's method ------------------------------------------------------------------------------------------- */
 
 static struct gd__local direction_from(const struct gd__focus *focus, struct gd__local at)
 {
+    if (focus->linear) return focus->gradient;
     struct gd__local d = minus(at, focus->at);
     double size = norm(d);
     return size > 0 ? (struct gd__local){d.x / size, d.y / size} : (struct gd__local){0, 0};
@@ -113,7 +203,7 @@ struct gd__local gd__between_three(const struct gd__focus focus[3], struct gd__l
         struct gd__local m, n;
         double f = difference(&focus[0], &focus[1], place, &m), g = difference(&focus[0], &focus[2], place, &n);
         double area = m.x * n.y - m.y * n.x;
-        if (!(fabs(area) > GD_TOL_TIE * norm(m))) return gd__between_two(focus, at, reach); /* two of them are one */
+        if (!(fabs(area) > GD_TOL_TANGENT * norm(m) * norm(n))) return gd__between_two(focus, at, reach);
         if (f == 0 && g == 0) break;
         place.x -= (f * n.y - g * m.y) / area;
         place.y -= (g * m.x - f * n.x) / area;

@@ -1,3 +1,5 @@
+#include <string.h>
+
 #include "field/array.h"
 #include "field/voronoi_parts.h"
 #include "mesh/canonical.h"
@@ -11,17 +13,57 @@ static uint32_t end_of(const struct gd__diagram *diagram, uint32_t edge, int k)
     return diagram->mesh->origin[2 * edge + k];
 }
 
+static uint32_t member_of(const struct gd__diagram *diagram, uint32_t source)
+{
+    return gd__member_of(&diagram->members, source);
+}
+
+/* --- seeds on an edge ------------------------------------------------------------------------------------------------------ */
+
+/* They are known by either of its faces: the first of one's, which is `face`. */
+static const struct gd__face_seed *seeds_beside(const struct gd__diagram *diagram, uint32_t edge, uint32_t *face)
+{
+    const struct gd_mesh *mesh = diagram->mesh;
+    *face = mesh->side_face[gd__side_is_boundary(mesh, 2 * edge) ? 2 * edge + 1 : 2 * edge];
+    return gd__field_seeds_in(diagram->field, *face);
+}
+
+/* What a point seed sees of the edge that it lies on; false: it lies elsewhere. A segment along the edge has wedges of it, as all that look across. */
+static bool seen_by_seed(const struct gd__diagram *diagram, uint32_t edge, uint32_t number, struct gd__window *out)
+{
+    const struct gd__seed *seed = &diagram->field->seeds[number];
+    double length = diagram->mesh->side[2 * edge].length;
+    if (seed->is_segment || seed->point.kind != GD_POINT_EDGE || seed->point.element != edge) return false;
+    *out = (struct gd__window){.b1 = length,
+                               .x = seed->point.weight[0] * length,
+                               .sigma = seed->offset,
+                               .source = diagram->mesh->vertex_count + number};
+    return true;
+}
+
+static bool has_seed_of_another(const struct gd__diagram *diagram, uint32_t edge, uint32_t member)
+{
+    uint32_t face;
+    const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
+    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face); f < end && f->face == face; f++) {
+        struct gd__window w;
+        if (seen_by_seed(diagram, edge, f->seed, &w) && member_of(diagram, w.source) != member) return true;
+    }
+    return false;
+}
+
 bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
 {
-    const uint32_t *of = diagram->members.of, member = of[end_of(diagram, edge, 0)];
+    uint32_t member = member_of(diagram, end_of(diagram, edge, 0));
     if (diagram->owner[end_of(diagram, edge, 0)] != member || diagram->owner[end_of(diagram, edge, 1)] != member)
         return true;
+    if (has_seed_of_another(diagram, edge, member)) return true;
     for (uint32_t at = diagram->field->newest[edge]; at != GD_NONE;) {
         const struct gd__chunk *chunk = gd__field_chunk(diagram->field, at);
         struct gd__wedges wedges = gd__chunk_wedges(chunk);
         for (uint32_t i = 0; i < chunk->count; i++) {
             uint32_t source = gd__wedge_source(wedges.start[i]);
-            if (source != GD_NONE && of[source] != member) return true;
+            if (source != GD_NONE && member_of(diagram, source) != member) return true;
         }
         at = chunk->previous;
     }
@@ -30,12 +72,21 @@ bool gd__edge_is_mixed(const struct gd__diagram *diagram, uint32_t edge)
 
 /* --- the envelope ---------------------------------------------------------------------------------------------------------- */
 
+static void lengthen(struct gd__window *w, double offset, double length)
+{
+    double before = gd__line_lengthened(length, gd__window_distance(w, w->b0) - offset),
+           behind = gd__line_lengthened(length, gd__window_distance(w, w->b1) - offset);
+    w->b0 = fmax(w->b0 - before, 0);
+    w->b1 = fmin(w->b1 + behind, length);
+}
+
 static enum gd_status push(const struct gd__diagram *diagram, uint32_t edge, struct gd__window w,
                            struct gd__voronoi_scratch *scratch)
 {
-    uint32_t member = diagram->members.of[w.source];
-    w.sigma += diagram->members.nudge[member];
-    return gd__stack_push(&scratch->envelope, &w, GD_TOL_WIDTH * diagram->mesh->side[2 * edge].length, &scratch->tail);
+    double length = diagram->mesh->side[2 * edge].length;
+    if (gd__window_is_linear(&w)) lengthen(&w, gd__field_sigma(diagram->field, w.source), length);
+    w.sigma += diagram->members.nudge[member_of(diagram, w.source)];
+    return gd__stack_push(&scratch->envelope, &w, GD_TOL_WIDTH * length, &scratch->tail);
 }
 
 static enum gd_status push_windows(const struct gd__diagram *diagram, uint32_t edge,
@@ -53,20 +104,15 @@ static enum gd_status push_windows(const struct gd__diagram *diagram, uint32_t e
     return status;
 }
 
-/* Seeds on the edge lie in either of its faces. */
 static enum gd_status push_seeds(const struct gd__diagram *diagram, uint32_t edge, struct gd__voronoi_scratch *scratch)
 {
-    const struct gd_field *field = diagram->field;
-    const struct gd_mesh *mesh = diagram->mesh;
-    uint32_t face = mesh->side_face[gd__side_is_boundary(mesh, 2 * edge) ? 2 * edge + 1 : 2 * edge];
-    double length = mesh->side[2 * edge].length;
+    uint32_t face;
     enum gd_status status = GD_OK;
-    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
-    for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face && !status; f++) {
-        const struct gd_point *point = &field->seeds[f->seed].point;
-        struct gd__window w = {.b1 = length, .x = point->weight[0] * length, .source = mesh->vertex_count + f->seed};
-        w.sigma = field->seeds[f->seed].offset;
-        if (point->kind == GD_POINT_EDGE && point->element == edge) status = push(diagram, edge, w, scratch);
+    const struct gd__face_seed *end = diagram->field->face_seeds + diagram->field->face_seed_count;
+    for (const struct gd__face_seed *f = seeds_beside(diagram, edge, &face); f < end && f->face == face && !status;
+         f++) {
+        struct gd__window w;
+        if (seen_by_seed(diagram, edge, f->seed, &w)) status = push(diagram, edge, w, scratch);
     }
     return status;
 }
@@ -90,7 +136,7 @@ static enum gd_status find_envelope(const struct gd__diagram *diagram, uint32_t 
 static void offer(struct gd__diagram *diagram, uint32_t vertex, const struct gd__window *w, double t)
 {
     if (t < w->b0 || t > w->b1) return;
-    uint32_t member = diagram->members.of[w->source];
+    uint32_t member = member_of(diagram, w->source);
     double distance = gd__window_distance(w, t) + diagram->members.nudge[member];
     if (distance >= diagram->nearest[vertex]) return;
     diagram->nearest[vertex] = distance;
@@ -131,11 +177,12 @@ static enum gd_status append(struct gd__diagram *diagram, uint32_t edge, double 
 /* Without the nudge. */
 static double distance_of(const struct gd__diagram *diagram, const struct gd__window *w, double t)
 {
-    return gd__window_distance(w, t) - diagram->members.nudge[diagram->members.of[w->source]];
+    return gd__window_distance(w, t) - diagram->members.nudge[member_of(diagram, w->source)];
 }
 
 static double slope_of(const struct gd__window *w, double t)
 {
+    if (gd__window_is_linear(w)) return -w->x;
     double dx = t - w->x, distance = sqrt(dx * dx + w->y * w->y);
     return distance > 0 ? dx / distance : 0;
 }
@@ -154,15 +201,30 @@ static double refine(const struct gd__diagram *diagram, const struct gd__window 
     return fmin(fmax(place, 0), length);
 }
 
+/* At a seed's vertex, which has one owner, what is no longer than a bisector that is none is of the others that begin there. */
+static void drop_ends(const struct gd__diagram *diagram, uint32_t edge, struct gd__stack *envelope)
+{
+    double length = diagram->mesh->side[2 * edge].length, least = GD_TOL_CHECK * diagram->members.farthest;
+    uint32_t first = 0;
+    if (diagram->nearest[end_of(diagram, edge, 0)] == 0)
+        while (first < envelope->count && envelope->windows[first].b1 <= least) first++;
+    if (diagram->nearest[end_of(diagram, edge, 1)] == 0)
+        while (envelope->count > first && envelope->windows[envelope->count - 1].b0 >= length - least)
+            envelope->count--;
+    envelope->count -= first;
+    memmove(envelope->windows, envelope->windows + first, envelope->count * sizeof *envelope->windows);
+}
+
 enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge, struct gd__voronoi_scratch *scratch)
 {
     double length = diagram->mesh->side[2 * edge].length;
     uint32_t owner = diagram->owner[end_of(diagram, edge, 0)];
     enum gd_status status = find_envelope(diagram, edge, scratch);
+    drop_ends(diagram, edge, &scratch->envelope);
     double reached = 0;
     for (uint32_t i = 0; i < scratch->envelope.count && !status; i++) {
         const struct gd__window *w = &scratch->envelope.windows[i];
-        uint32_t member = diagram->members.of[w->source];
+        uint32_t member = member_of(diagram, w->source);
         if (member != owner)
             reached = fmax(reached, i ? refine(diagram, w - 1, w, 0.5 * (w[-1].b1 + w->b0), length) : 0);
         status = append(diagram, edge, reached, owner, member);

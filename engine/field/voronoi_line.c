@@ -104,9 +104,10 @@ static void flatten_strand(struct writer *writer, struct leg *leg, const struct 
 {
     struct gd__branch branch;
     struct gd__local from = leg->at, to = place_of(writer, leg->face, stop), origin = {0, 0};
+    double size = leg->frame.size;
     double start = reversed ? strand->to : strand->from, turn = (strand->to - strand->from) * (reversed ? -1 : 1);
     uint32_t parts = (uint32_t)(fabs(turn) / M_PI_2) + 1;
-    if (parts > 1 && !gd__branch_between(&strand->focus[0], &strand->focus[1], origin, &branch)) parts = 1;
+    if (parts > 1 && !gd__branch_between(&strand->focus[0], &strand->focus[1], origin, size, &branch)) parts = 1;
     for (uint32_t i = 1; i <= parts; i++) {
         struct gd__local next = i < parts ? gd__branch_place(&branch, start + turn * i / parts - branch.zero) : to;
         flatten(writer, leg, strand->focus, from, next, HALVINGS_MOST);

@@ -26,15 +26,32 @@ struct work {
 
 /* --- places ---------------------------------------------------------------------------------------------------------------- */
 
+static bool is_in_face(const struct gd__frame *frame, struct gd__local at)
+{
+    bool is_inside = true;
+    for (int k = 0; k < 3; k++) {
+        double dx = at.x - frame->corner[k].x, dy = at.y - frame->corner[k].y;
+        is_inside &= frame->along[k].x * dy - frame->along[k].y * dx >= -GD_TOL_PLACE * frame->size;
+    }
+    return is_inside;
+}
+
+/* Where three sources are as near. A line and its end are so along all of the line's perpendicular, and so are a vertex and a source behind it: that
+ * may lead out of the face, back into which the nearest place is not as far from all. */
+static struct gd__local refine_takeover(const struct work *work, const struct gd__focus focus[3], struct gd__local at)
+{
+    struct gd__local place = gd__between_three(focus, at, work->reach);
+    return is_in_face(&work->scratch->sources.frame, place) ? place : at;
+}
+
 /* Without the nudge; a switch has its place already. */
 static void refine(const struct work *work, struct gd__loose *loose)
 {
     if (has_node(loose)) return;
     const struct gd__focus *focus = work->diagram->strand[loose->strand].focus;
     if (loose->third != GD_NONE) {
-        const struct gd__source *third = &work->scratch->sources.source[loose->third];
-        struct gd__focus three[3] = {focus[0], focus[1], {third->at, third->sigma}};
-        loose->at = gd__between_three(three, loose->at, work->reach);
+        struct gd__focus three[3] = {focus[0], focus[1], gd__focus_of(&work->scratch->sources.source[loose->third])};
+        loose->at = refine_takeover(work, three, loose->at);
     }
     if (!loose->is_triple) loose->at = gd__between_two(focus, loose->at, work->reach);
 }
@@ -72,7 +89,7 @@ struct triple {
 
 static struct triple triple_of(const struct work *work, const struct gd__loose *loose)
 {
-    uint32_t third = work->diagram->members.of[work->scratch->sources.source[loose->third].pseudo];
+    uint32_t third = gd__member_of(&work->diagram->members, work->scratch->sources.source[loose->third].pseudo);
     uint32_t a = loose->member[0], b = loose->member[1];
     if (third < a) return (struct triple){{third, a, b}};
     if (third < b) return (struct triple){{a, third, b}};
@@ -227,15 +244,76 @@ static enum gd_status match_pairs(const struct work *work)
 {
     struct gd__voronoi_scratch *scratch = work->scratch;
     enum gd_status status = find_ties(scratch);
-    bool *is_done = calloc((size_t)scratch->loose_count + 1, sizeof *is_done);
-    if (!is_done) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < scratch->tie_count && !status; i++) {
         const struct gd__tie *tie = &scratch->tie[i];
-        if (is_done[tie->a] || is_done[tie->b]) continue;
-        is_done[tie->a] = is_done[tie->b] = true;
-        status = match_two(work, &scratch->loose[tie->a], &scratch->loose[tie->b]);
+        struct gd__loose *a = &scratch->loose[tie->a], *b = &scratch->loose[tie->b];
+        if (a->is_matched || b->is_matched) continue;
+        a->is_matched = b->is_matched = true;
+        status = match_two(work, a, b);
     }
-    free(is_done);
+    return status;
+}
+
+/* --- what is left ---------------------------------------------------------------------------------------------------------- */
+
+static bool waits(const struct gd__loose *loose)
+{
+    return !loose->is_triple && !loose->is_matched;
+}
+
+/* The two members of three that `a` and `b`, which have one in common, are not both between; false: they have none, or both. */
+static bool find_other_two(const struct gd__loose *a, const struct gd__loose *b, struct gd__loose *out)
+{
+    if (are_of_same_two(a, b)) return false;
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++) {
+            if (a->member[i] != b->member[k]) continue;
+            uint32_t m = a->member[!i], n = b->member[!k];
+            out->member[0] = m < n ? m : n;
+            out->member[1] = m < n ? n : m;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The end that waits for the other two members of two ends in one place; NULL: there is none. */
+static struct gd__loose *find_third(const struct work *work, const struct gd__loose *a, const struct gd__loose *b)
+{
+    struct gd__loose wanted;
+    if (!waits(a) || !waits(b) || apart(a, b) > work->reach || !find_other_two(a, b, &wanted)) return NULL;
+    for (uint32_t i = 0; i < work->scratch->loose_count; i++) {
+        struct gd__loose *loose = &work->scratch->loose[i];
+        if (waits(loose) && are_of_same_two(loose, &wanted)) return loose;
+    }
+    return NULL;
+}
+
+/* A triple point of which one line is the edge of a shadow, which has no strand: it is bridged. */
+static enum gd_status match_corner(const struct work *work, struct gd__loose *a, struct gd__loose *b,
+                                   struct gd__loose *third)
+{
+    a->is_matched = b->is_matched = third->is_matched = true;
+    enum gd_status status = give_node(work, a);
+    if (!status) status = give_node(work, third);
+    if (!status) status = bridge(work, third->member, third->node, a->node);
+    if (status) return status;
+    work->diagram->node[a->node].is_end = true;
+    if (has_node(b)) return bridge(work, b->member, b->node, a->node);
+    attach(work, b, a->node);
+    return GD_OK;
+}
+
+static enum gd_status match_corners(const struct work *work)
+{
+    struct gd__voronoi_scratch *scratch = work->scratch;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < scratch->loose_count; i++) {
+        for (uint32_t k = i + 1; k < scratch->loose_count && !status; k++) {
+            struct gd__loose *a = &scratch->loose[i], *b = &scratch->loose[k], *third = find_third(work, a, b);
+            if (third) status = match_corner(work, a, b, third);
+        }
+    }
     return status;
 }
 
@@ -249,6 +327,7 @@ enum gd_status gd__face_match(struct gd__diagram *diagram, struct gd__voronoi_sc
     for (uint32_t i = 0; i < scratch->loose_count && !status; i++)
         if (waits_at_triple(&scratch->loose[i])) status = match_triple(&work, &scratch->loose[i]);
     if (!status) status = match_pairs(&work);
+    if (!status) status = match_corners(&work);
     for (uint32_t i = 0; i < scratch->loose_count && !status; i++)
         if (scratch->loose[i].node == GD_NONE) status = give_node(&work, &scratch->loose[i]);
     return status;

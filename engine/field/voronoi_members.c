@@ -1,14 +1,18 @@
 #include <stdlib.h>
 
 #include "field/voronoi_parts.h"
+#include "mesh/segment.h"
 
-/* Whose the pseudo-sources are: each vertex's way back to its seed is followed once, as far as one whose member is known. */
+/* Whose the pseudo-sources are: seeds are told by the caller; each vertex's way back to its seed is followed once, as far as one whose member is known. */
 
-/* --- members that coincide ------------------------------------------------------------------------------------------------ */
+/* --- seeds that coincide --------------------------------------------------------------------------------------------------- */
 
+/* A seed, or the end of one that is a segment. */
 struct place {
-    const struct gd__seed *seed;
+    const struct gd_point *at, *end; /* end: of a segment, the later one of its two; NULL: a point */
+    double offset;
     uint32_t member;
+    uint32_t number; /* of the seed; GD_NONE: a segment's end */
 };
 
 static int compare(double a, double b)
@@ -25,31 +29,86 @@ static int by_point(const struct gd_point *a, const struct gd_point *b)
     return order;
 }
 
-static int by_place(const void *a, const void *b)
+static int by_extent(const struct place *a, const struct place *b)
+{
+    int order = by_point(a->at, b->at);
+    if (order || (!a->end && !b->end)) return order;
+    if (!a->end || !b->end) return a->end ? 1 : -1;
+    return by_point(a->end, b->end);
+}
+
+static int by_claim(const void *a, const void *b)
 {
     const struct place *x = a, *y = b;
-    int order = by_point(&x->seed->point, &y->seed->point);
-    if (!order) order = compare(x->seed->offset, y->seed->offset);
+    int order = by_extent(x, y);
+    if (!order) order = compare(x->offset, y->offset);
     return order ? order : (x->member > y->member) - (x->member < y->member);
 }
 
-/* Of members at one place the one of least offset stands for all. */
-static enum gd_status stand_in(const struct gd_field *field, uint32_t *of)
+/* Of seeds at one place, sorted, whose they are: of the members with the least offset the one with the most segments that end there, as a point on a way
+ * has nothing of its own; else the first. */
+static uint32_t member_with_best_claim(const struct place *places, uint32_t count)
 {
-    uint32_t count = field->seed_count;
-    struct place *places = malloc(sizeof *places * count);
-    if (!places) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < count; i++) places[i] = (struct place){&field->seeds[i], i};
-    qsort(places, count, sizeof *places, by_place);
-    for (uint32_t i = 0; i < count; i++) {
-        bool same = i > 0 && by_point(&places[i - 1].seed->point, &places[i].seed->point) == 0;
-        of[places[i].member] = same ? of[places[i - 1].member] : places[i].member;
+    uint32_t best = places[0].member, most = 0, ends = 0;
+    for (uint32_t i = 0; i < count && places[i].offset == places[0].offset; i++) {
+        if (i && places[i].member != places[i - 1].member) ends = 0;
+        ends += places[i].number == GD_NONE;
+        if (ends <= most) continue;
+        most = ends;
+        best = places[i].member;
     }
+    return best;
+}
+
+static void assign_places(struct place *places, uint32_t count, uint32_t *of)
+{
+    qsort(places, count, sizeof *places, by_claim);
+    for (uint32_t first = 0, behind; first < count; first = behind) {
+        for (behind = first + 1; behind < count && by_extent(&places[first], &places[behind]) == 0;) behind++;
+        uint32_t member = member_with_best_claim(places + first, behind - first);
+        for (uint32_t i = first; i < behind; i++)
+            if (places[i].number != GD_NONE) of[places[i].number] = member;
+    }
+}
+
+/* A seed's places, returns how many. */
+static uint32_t places_of(const struct gd__seed *seed, uint32_t number, uint32_t member, struct place places[3])
+{
+    places[0] = (struct place){&seed->point, NULL, seed->offset, member, number};
+    if (!seed->is_segment) return 1;
+    bool ascends = by_point(&seed->point, &seed->end) < 0;
+    places[1] = places[0];
+    places[1].number = GD_NONE;
+    places[2] = places[1];
+    places[2].at = &seed->end;
+    places[0].at = ascends ? &seed->point : &seed->end;
+    places[0].end = ascends ? &seed->end : &seed->point;
+    return 3;
+}
+
+/* Of all seeds. */
+static enum gd_status assign_seeds(const struct gd_field *field, const uint32_t *member_of_seed, uint32_t *of)
+{
+    uint32_t count = field->seed_count, found = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (member_of_seed && member_of_seed[i] >= count) return GD_INVALID_ARGUMENT;
+    struct place *places = malloc(sizeof *places * 3 * count);
+    if (!places) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < count; i++)
+        found += places_of(&field->seeds[i], i, member_of_seed ? member_of_seed[i] : i, places + found);
+    assign_places(places, found, of);
     free(places);
     return GD_OK;
 }
 
 /* --- vertices -------------------------------------------------------------------------------------------------------------- */
+
+/* Without the mark of a linear one; GD_NONE: none. */
+static uint32_t source_behind(const struct gd_field *field, uint32_t vertex)
+{
+    uint32_t source = gd__field_source_behind(field, vertex);
+    return source == GD_NONE ? GD_NONE : source & ~GD__SOURCE_LINEAR;
+}
 
 /* From a vertex to a pseudo-source whose member is known, and once more to tell all on the way. No path bends at a vertex twice. */
 static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint32_t *of)
@@ -57,13 +116,13 @@ static enum gd_status follow(const struct gd_field *field, uint32_t vertex, uint
     uint32_t source = vertex, steps_left = field->mesh->vertex_count;
     while (of[source] == GD_NONE) {
         if (!steps_left--) return GD_INTERNAL;
-        source = gd__field_source_behind(field, source);
+        source = source_behind(field, source);
         if (source == GD_NONE) return GD_INTERNAL;
     }
     uint32_t member = of[source];
     for (source = vertex; of[source] == GD_NONE;) {
         of[source] = member;
-        source = gd__field_source_behind(field, source);
+        source = source_behind(field, source);
     }
     return GD_OK;
 }
@@ -99,13 +158,14 @@ static void find_nudges(const struct gd_field *field, struct gd__members *member
     for (uint32_t i = 0; i < field->seed_count; i++) members->nudge[i] = GD_TOL_TIE * members->farthest * scatter(i);
 }
 
-enum gd_status gd__members_find(const struct gd_field *field, struct gd__members *out)
+enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed, struct gd__members *out)
 {
     size_t sources = (size_t)field->mesh->vertex_count + field->seed_count;
     struct gd__members members = {.of = malloc(sizeof *members.of * sources),
                                   .nudge = malloc(sizeof *members.nudge * field->seed_count)};
-    enum gd_status status =
-        members.of && members.nudge ? stand_in(field, members.of + field->mesh->vertex_count) : GD_NO_MEMORY;
+    enum gd_status status = GD_NO_MEMORY;
+    if (members.of && members.nudge)
+        status = assign_seeds(field, member_of_seed, members.of + field->mesh->vertex_count);
     for (uint32_t v = 0; v < field->mesh->vertex_count && !status; v++) members.of[v] = GD_NONE;
     if (!status) status = find_owners(field, members.of);
     if (status) {
@@ -124,6 +184,63 @@ enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *
     return find_owners(field, members->of);
 }
 
+/* --- points on segments ---------------------------------------------------------------------------------------------------- */
+
+enum { CHECK_INTERVAL = 4096 /* pairs of seeds */ };
+
+/* Is a point on a segment, both in that face, and no nearer to anything than it, but for the nudge? */
+static bool is_covered(const struct gd_field *field, uint32_t face, const struct gd__seed *point,
+                       const struct gd__seed *segment, double slack)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    double weight[3];
+    gd__point_weights(mesh, &point->point, face, weight);
+    struct gd__local at = gd__face_local(mesh, mesh->face_side[face][0], weight);
+    struct gd__chord chord = gd__chord(mesh, face, 0, &segment->point, &segment->end);
+    double foot = gd__chord_foot(&chord, at), height = fabs(gd__chord_height(&chord, at));
+    return foot >= 0 && foot <= chord.length && height <= slack && segment->offset + height <= point->offset + slack;
+}
+
+/* A control that is looked at now and then. */
+struct watch {
+    const struct gd_control *control;
+    uint32_t work;
+};
+
+static enum gd_status settle_point(const struct gd_field *field, const struct gd__face_seed *point,
+                                   struct gd__members *members, struct watch *watch, bool *changed)
+{
+    uint32_t *of = members->of + field->mesh->vertex_count;
+    const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    enum gd_status status = GD_OK;
+    for (const struct gd__face_seed *f = gd__field_seeds_in(field, point->face);
+         f < end && f->face == point->face && !status; f++) {
+        const struct gd__seed *segment = &field->seeds[f->seed];
+        if (watch->work++ % CHECK_INTERVAL == 0) status = gd_control_check(watch->control, 0);
+        if (!segment->is_segment || of[f->seed] == of[point->seed]) continue;
+        if (!is_covered(field, point->face, &field->seeds[point->seed], segment, GD_TOL_TIE * members->farthest))
+            continue;
+        of[point->seed] = of[f->seed];
+        *changed = true;
+        break;
+    }
+    return status;
+}
+
+enum gd_status gd__members_settle(const struct gd_field *field, const struct gd_control *control,
+                                  struct gd__members *members)
+{
+    struct watch watch = {.control = control};
+    bool changed = false;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < field->face_seed_count && field->has_segments && !status; i++)
+        if (!field->seeds[field->face_seeds[i].seed].is_segment)
+            status = settle_point(field, &field->face_seeds[i], members, &watch, &changed);
+    if (status || !changed) return status;
+    for (uint32_t v = 0; v < field->mesh->vertex_count; v++) members->of[v] = GD_NONE;
+    return find_owners(field, members->of);
+}
+
 void gd__members_destroy(struct gd__members *members)
 {
     free(members->of);
@@ -133,11 +250,11 @@ void gd__members_destroy(struct gd__members *members)
 
 /* --- labels ---------------------------------------------------------------------------------------------------------------- */
 
-enum gd_status gd_voronoi_labels(const struct gd_field *field, uint32_t *out)
+enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *member_of_seed, uint32_t *out)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__members members;
-    enum gd_status status = gd__members_find(field, &members);
+    enum gd_status status = gd__members_find(field, member_of_seed, &members);
     if (status) return status;
     for (uint32_t i = 0; i < mesh->summary.index_count; i++) {
         uint32_t vertex = mesh->vertex_of_index[i];

@@ -20,17 +20,35 @@
 /* Whose a pseudo-source is, and how much farther a member is taken to be. */
 struct gd__members {
     uint32_t *of;    /* vertex_count + seed_count; GD_NONE: no path reaches it */
-    double *nudge;   /* per seed; below GD_TOL_TIE of `farthest` */
+    double *nudge;   /* per member, of which there may be as many as seeds; below GD_TOL_TIE of `farthest` */
     double farthest; /* no point of an edge is farther */
 };
 
-/* voronoi_members.c: GD_NO_MEMORY, GD_INTERNAL. */
-GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field, struct gd__members *out);
+static inline uint32_t gd__member_of(const struct gd__members *members, uint32_t source)
+{
+    return members->of[source & ~GD__SOURCE_LINEAR];
+}
+
+/* voronoi_members.c: `member_of_seed` as for gd_voronoi_trace. GD_INVALID_ARGUMENT, GD_NO_MEMORY, GD_INTERNAL. */
+GD_MUST_USE enum gd_status gd__members_find(const struct gd_field *field, const uint32_t *member_of_seed,
+                                            struct gd__members *out);
+
+/* Gives points that lie on another member's segment, and so own nothing, to that member: else the nudge might give them something. GD_INTERNAL,
+ * GD_CANCELLED, GD_DEADLINE. O(k^2) for each face with k seeds. */
+GD_MUST_USE enum gd_status gd__members_settle(const struct gd_field *field, const struct gd_control *control,
+                                              struct gd__members *members);
 
 /* Takes over owners of vertices that differ, for these and for all whose way leads through them. GD_INTERNAL. */
 GD_MUST_USE enum gd_status gd__members_change(const struct gd_field *field, const uint32_t *owner,
                                               struct gd__members *members);
 void gd__members_destroy(struct gd__members *members);
+
+/* Ends of linear wedges are stored rounded inwards, to 2^-32 of an edge no longer than `size`: a line is taken to see that much more, lest there be
+ * gaps between neighbours. `away`: how far that end lies from the segment. */
+static inline double gd__line_lengthened(double size, double away)
+{
+    return fmax(fmin(2 * GD__WEDGE_UNIT * size, GD_TOL_LENGTHENED * away), 0);
+}
 
 struct gd__node {
     struct gd_point point;
@@ -51,16 +69,17 @@ struct gd__strand {
     uint32_t node[2];
     struct gd__focus focus[2];
     double from, to;  /* angles of its branch as seen from focus[0] */
-    bool is_straight; /* no branch: it bridges rounding, or a tie */
+    bool is_straight; /* a line between two segments, or no branch: it bridges rounding, or a tie */
 };
 
 /* What has been found. Switches of edge e: first_switch[e] to first_switch[e + 1]. All zero is empty. */
 struct gd__diagram {
     const struct gd_field *field;
     const struct gd_mesh *mesh;
+    const uint32_t *member_of_seed; /* NULL: each is one */
     struct gd__members members;
     uint32_t *owner;        /* per vertex: members.of, and who else has a better claim where there is a tie */
-    double *nearest;        /* per vertex: its owner's nudged distance */
+    double *nearest;        /* per vertex: its owner's nudged distance; 0: nobody else gets it */
     uint32_t changed;       /* owners that differ */
     uint32_t *first_switch; /* per edge, and one more */
     struct gd__node *node;
@@ -77,6 +96,7 @@ struct gd__loose {
     bool is_triple;       /* and it is of a third member */
     uint32_t strand, end; /* GD_NONE: a node's */
     uint32_t node;        /* GD_NONE: not yet */
+    bool is_matched;      /* with another one */
 };
 
 /* Two of them that may be one, and their distance squared. */
@@ -85,7 +105,7 @@ struct gd__tie {
     uint32_t a, b;
 };
 
-/* What a source sees of a face: a triangle that two lines have cut. */
+/* What a source sees of a face: a triangle that up to three lines have cut. */
 struct gd__view {
     int count;
     struct gd__local corner[7];

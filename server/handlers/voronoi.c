@@ -41,7 +41,7 @@ static enum gd_status write_labels(struct voronoi *voronoi, const struct gd_fiel
                                    const struct gd_control *control)
 {
     uint32_t count = gd_mesh_summary(mesh_of(voronoi))->index_count;
-    enum gd_status status = gd_voronoi_labels(field, labels);
+    enum gd_status status = gd_voronoi_labels(field, voronoi->field.set->members, labels);
     proto_voronoi_labels_begin(&voronoi->draft.writer);
     for (uint32_t i = 0; i < count && !status; i++) {
         proto_voronoi_label(&voronoi->draft.writer, labels[i]);
@@ -68,6 +68,7 @@ static enum gd_status tell_labels(struct voronoi *voronoi, const struct gd_field
 
 struct tracing {
     const struct gd_field *field;
+    const uint32_t *members; /* by seed */
     double tolerance;
     struct gd_voronoi *out;
 };
@@ -75,7 +76,7 @@ struct tracing {
 static enum gd_status trace(void *user, const struct gd_control *control, size_t *kept)
 {
     const struct tracing *wanted = user;
-    enum gd_status status = gd_voronoi_trace(wanted->field, wanted->tolerance, control, wanted->out);
+    enum gd_status status = gd_voronoi_trace(wanted->field, wanted->members, wanted->tolerance, control, wanted->out);
     if (!status) *kept = wanted->out->bytes;
     return status;
 }
@@ -83,7 +84,7 @@ static enum gd_status trace(void *user, const struct gd_control *control, size_t
 static enum gd_status trace_bisectors(const struct voronoi *voronoi, const struct gd_field *field,
                                       struct server_monitor *part, struct gd_voronoi *out)
 {
-    struct tracing wanted = {field, voronoi->tolerance, out};
+    struct tracing wanted = {field, voronoi->field.set->members, voronoi->tolerance, out};
     const struct server_call call = {.make = trace,
                                      .user = &wanted,
                                      .control = server_exchange_control(part),

@@ -102,6 +102,34 @@ class Curves(TestCase):
             before = max(excess)
         self.assertLess(before, 1e-4)
 
+    def test_fields_of_curves(self):
+        fields = self.daemon.ask("grid", "fields", {"set": {"curves": [line((0.2, 0.5, 0), (0.8, 0.5, 0))]}})
+        self.assertEqual(fields.status, 201, fields)
+        again = self.daemon.ask("grid", "fields", {"set": {"curves": [line((0.2, 0.5, 0), (0.8, 0.5, 0))]}})
+        self.assertEqual((again.status, again.json["id"]), (200, fields.json["id"]))
+        answer = self.daemon.ask("grid", f"fields/{fields.json['id']}/evaluate", {"points": [xyz(0.5, 0.8, 0), xyz(0.5, 0.5, 0)], "gradient": True})
+        first, on_it = answer.json["results"]
+        self.assertAlmostEqual(first["distance"], 0.3, 13)
+        for u, v in zip(first["gradient"]["xyz"], (0, 1, 0)):
+            self.assertAlmostEqual(u, v, 12)
+        self.assertAlmostEqual(on_it["distance"], 0, 14)
+        self.assertIsNone(on_it["gradient"])
+
+    def test_isolines_and_voronoi_of_curves(self):
+        fields = self.daemon.ask("grid", "fields", {"set": {"curves": [line((0.3, 0.5, 0), (0.7, 0.5, 0))]}})
+        answer = self.daemon.get(f"/v1/meshes/grid/fields/{fields.json['id']}/isolines?levels=0.2&arcs=true")
+        (lines,) = answer.json["isolines"]
+        self.assertAlmostEqual(sum(line["length"] for line in lines["lines"]), 0.8 + 0.4 * math.pi, 9)
+        arcs = [arc for line in lines["lines"] for arc in line["arcs"]]
+        self.assertTrue(any(arc.get("straight") for arc in arcs) and any("radius" in arc for arc in arcs))
+        members = {"points": [xyz(0.5, 0.75, 0)], "curves": [line((0, 0.25, 0), (1, 0.25, 0))]}
+        answer = self.daemon.ask("grid", "voronoi", {"set": members, "tolerance": 1e-6})
+        self.assertEqual(answer.status, 200, answer)
+        (bisector,) = answer.json["bisectors"]
+        self.assertEqual(bisector["members"], [0, 1])
+        self.assertAlmostEqual(bisector["length"], 0.5 * (math.sqrt(2) + math.asinh(1)), 5)  # a parabola
+        self.assertEqual(set(answer.json["labels"]), {0, 1})
+
     def test_curve_to_curve(self):
         found = self.between("grid", line((0.1, 0.2, 0), (0.9, 0.2, 0)), line((0.3, 0.5, 0), (0.3, 0.9, 0)))
         self.assertAlmostEqual(found["distance"], 0.3, 13)

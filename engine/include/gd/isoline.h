@@ -7,17 +7,22 @@
  *     }
  *
  * In a face the distance is the least of those from several unfolded sources, so that an isoline is a chain of circular arcs, each about one of
- * them; arcs meet on edges and on the bisectors of their sources. Lines are closed, or open with both ends on the boundary. Seen from outside, what
- * is nearer to the seeds than the level lies to the left of a line. Nothing here is sampled: an arc's end has the level's distance to 1e-9
- * relative (1e-12 is usual). A line that is no longer than rounding is a point, not a line, and is left out: where the level is that of a local
- * maximum, or zero. */
+ * them, and of straight pieces, each parallel to a segment; they meet on edges and on the bisectors of their sources. Lines are closed, or open with
+ * both ends on the boundary. Seen from outside, what is nearer to the seeds than the level lies to the left of a line. Nothing here is sampled: an arc's
+ * end has the level's distance to 1e-9 relative (1e-12 is usual). A line that is no longer than rounding is a point, not a line, and is left out: where
+ * the level is that of a local maximum, or zero. A ridge midway between two parallel segments has one height along a whole piece: a line at that
+ * level goes there and back. */
 #ifndef GD_ISOLINE_H
 #define GD_ISOLINE_H
+
+#include <math.h>
 
 #include "gd/field.h"
 
 /* Counter-clockwise about its centre from angle `from` to `to` (an arc within rounding may run backwards). Angles and (u, v) are in the frame of the
- * face's plane whose origin is the face's corner 0 and whose x axis points to its corner 1 (gd_mesh_corners). */
+ * face's plane whose origin is the face's corner 0 and whose x axis points to its corner 1 (gd_mesh_corners).
+ *
+ * Of radius 0: straight from point i of its line to point i + 1. Then (u, v) is point i, `from` is 0 and `to` the length. */
 struct gd_isoline_arc {
     struct gd_face face;
     double u, v, radius; /* the caller's unit */
@@ -25,6 +30,12 @@ struct gd_isoline_arc {
     struct gd_vec3
         centre; /* (u, v) in space; mostly outside the face: it is where the arc's source lies, unfolded into the plane */
 };
+
+/* In the caller's unit. */
+static inline double gd_isoline_arc_length(const struct gd_isoline_arc *arc)
+{
+    return (arc->radius > 0 ? arc->radius : 1) * fabs(arc->to - arc->from);
+}
 
 /* Arc i runs from point i to point i + 1, the last one of a closed line back to point 0. */
 struct gd_isoline_line {
@@ -55,7 +66,7 @@ GD_MUST_USE enum gd_status gd_isoline_trace(const struct gd_field *field, double
 
 void gd_isoline_free(struct gd_isoline *isoline); /* frees the arrays and zeroes; NULL is harmless */
 
-/* Unit vectors of the arc's frame: the point at angle a is centre + radius (cos(a) x + sin(a) y). */
+/* Unit vectors of the arc's frame: the point at angle a of a round one is centre + radius (cos(a) x + sin(a) y). */
 void gd_isoline_arc_axes(const struct gd_mesh *mesh, const struct gd_isoline_arc *arc, struct gd_vec3 *x,
                          struct gd_vec3 *y);
 

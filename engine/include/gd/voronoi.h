@@ -1,17 +1,20 @@
-/* Voronoi diagram: which seed of a field each part of the surface is nearest to, offsets included, and the lines between them.
+/* Voronoi diagram: which member of a field each part of the surface is nearest to, offsets included, and the lines between them.
  *
  *     struct gd_voronoi voronoi;
- *     if (gd_voronoi_trace(field, 1e-3, NULL, &voronoi) == GD_OK) {
+ *     if (gd_voronoi_trace(field, NULL, 1e-3, NULL, &voronoi) == GD_OK) {
  *         for (uint32_t i = 0; i < voronoi.bisector_count; i++) printf("%.17g\n", voronoi.bisectors[i].length);
  *         gd_voronoi_free(&voronoi);
  *     }
  *
- * A member is a seed, by its number in the field's request. In a face the distance is the least of those from several unfolded sources, so that a
- * bisector of two members is a chain of straight segments and pieces of hyperbolas, each between two such sources. Nothing here is sampled: edges
- * are crossed, and three cells meet, where the distances are equal up to rounding.
+ * A member is one or several of the field's seeds, points and segments: a point, a curve, a boundary. It goes by a number below
+ * gd_field_seed_count: that of the seed where each seed is one (`member_of_seed` is NULL), else `member_of_seed[seed]`, and not every number need be
+ * in use. In a face the distance is the least of those from several unfolded sources, so that a bisector of two members is a chain of straight
+ * pieces and pieces of hyperbolas (between two points) and parabolas (between a point and a segment), each between two such sources; between seeds
+ * of one member there is none. Nothing here is sampled: edges are crossed, and three cells meet, where the distances are equal up to rounding.
  *
- * Ties. Where members are equally near on more than a line (behind a saddle or a corner of the boundary that is as far from both, or because
- * they coincide) one of them, always the same, has it all. A member that is nowhere strictly nearest owns nothing: no label, no bisector. */
+ * Ties. Where members are equally near on more than a line (behind a saddle or a corner of the boundary that is as far from both, or behind a point
+ * that both have, or because they coincide) one of them, always the same, has it all. A member that is nowhere strictly nearest owns nothing: no
+ * label, no bisector. Along the edge of such a region a bisector may run to and fro by 1e-6 of the field's greatest distance. */
 #ifndef GD_VORONOI_H
 #define GD_VORONOI_H
 
@@ -23,8 +26,8 @@ struct gd_bisector {
     bool closed;
     double length;        /* of the polyline */
     uint32_t point_count; /* at least 2; a closed one ends in its first point */
-    const struct gd_point
-        *points; /* consecutive ones within one face; both members are as near to each of them, to 1e-9 relative */
+    /* Consecutive ones within one face; both members are as near to each of them, to 1e-9 of the greatest distance. */
+    const struct gd_point *points;
 };
 
 /* Owns all arrays. */
@@ -36,17 +39,19 @@ struct gd_voronoi {
 };
 
 /* The nearest member at every vertex index of the input (`out`: index_count of them), that of gd_field_nearest; UINT32_MAX for vertices that no path
- * reaches, that are beyond a partial field's reach, or unreferenced. Of members at one place the one with the least offset, then the first,
- * stands for all. Errors: GD_NO_MEMORY, GD_INTERNAL (the ways that the field keeps lead to no seed); `out` is untouched then. O(vertices).
- * Thread-safe. */
-GD_MUST_USE enum gd_status gd_voronoi_labels(const struct gd_field *field, uint32_t *out);
+ * reaches, that are beyond a partial field's reach, or unreferenced. `member_of_seed`: a number for each seed, borrowed, or NULL. Of members with seeds
+ * at one place the one with the least offset, then with the most segments there, then the first, has it.
+ * Errors: GD_INVALID_ARGUMENT (a member's number), GD_NO_MEMORY, GD_INTERNAL (the ways that the field keeps lead to no seed); `out` is untouched
+ * then. O(vertices + s log s) for s seeds. Thread-safe. */
+GD_MUST_USE enum gd_status gd_voronoi_labels(const struct gd_field *field, const uint32_t *member_of_seed,
+                                             uint32_t *out);
 
-/* Traces all bisectors, as polylines that are nowhere farther than `tolerance` > 0 (a length) from them. `control` may be NULL. The caller frees
- * `*out` by gd_voronoi_free. Errors: GD_INVALID_ARGUMENT (the tolerance), GD_BEYOND_REACH (a partial field does not know), GD_INTERNAL as
- * above, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+/* Traces all bisectors, as polylines that are nowhere farther than `tolerance` > 0 (a length) from them. `member_of_seed` as above,
+ * `control` may be NULL. The caller frees `*out` by gd_voronoi_free. Errors: GD_INVALID_ARGUMENT (the tolerance, a member's number),
+ * GD_BEYOND_REACH (a partial field does not know), GD_INTERNAL as above, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
  * Cost: a pass over the wedges, and O(k^2) to O(k^3) for each face that sees more than one member, of k wedges around it. Thread-safe. */
-GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field, double tolerance,
-                                            const struct gd_control *control, struct gd_voronoi *out);
+GD_MUST_USE enum gd_status gd_voronoi_trace(const struct gd_field *field, const uint32_t *member_of_seed,
+                                            double tolerance, const struct gd_control *control, struct gd_voronoi *out);
 
 void gd_voronoi_free(struct gd_voronoi *voronoi); /* frees the arrays and zeroes; NULL is harmless */
 

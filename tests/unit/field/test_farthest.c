@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "gd/curve.h"
 #include "gd/field.h"
 #include "gd/locate.h"
 #include "tests/samples/samples.h"
@@ -124,6 +125,154 @@ static void of_a_square(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* --- segments ------------------------------------------------------------------------------------------------------------ */
+
+/* The field of all boundaries of a mesh, as curves; each begins by `more` later than the one before. */
+static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double more)
+{
+    struct gd_seed *seeds = NULL;
+    uint32_t count = 0;
+    for (uint32_t loop = 0; loop < gd_mesh_summary(mesh)->boundaries; loop++) {
+        struct gd_curve_request request = {.kind = GD_CURVE_BOUNDARY, .boundary = loop};
+        struct gd_curve curve;
+        check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+        seeds = realloc(seeds, sizeof *seeds * (count + gd_curve_seed_count(&curve)));
+        assert_non_null(seeds);
+        gd_curve_seeds(&curve, loop * more, seeds + count);
+        count += gd_curve_seed_count(&curve);
+        gd_curve_free(&curve);
+    }
+    struct gd_field *field = field_of(mesh, seeds, count, 0);
+    free(seeds);
+    return field;
+}
+
+/* From the boundary of a rectangle a ridge is farthest, of a triangle the centre of its incircle. */
+static void of_a_boundary(void **state)
+{
+    (void)state;
+    static const uint32_t cells[][2] = {{1, 1}, {2, 2}, {3, 2}, {5, 3}, {4, 7}, {9, 9}};
+    static const double scales[] = {1e-6, 1, 1e6};
+    struct gd_point point;
+    double distance;
+    for (size_t i = 0; i < sizeof cells / sizeof *cells; i++) {
+        double scale = scales[i % 3];
+        struct gd_polygons polygons;
+        check_ok(sample_grid(cells[i][0], cells[i][1], 3 * scale, 2 * scale, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_field *field = field_of_boundaries(mesh, 0);
+        struct gd_vec3 at = farthest(field, &point, &distance);
+        check_close(distance, scale, 1e-12);
+        check_close(at.y, scale, promise);
+        assert_true(at.x > scale * (1 - promise) && at.x < scale * (2 + promise));
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+    double positions[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}};
+    uint32_t corners[3] = {0, 1, 2};
+    struct gd_polygons one = {.positions = positions, .position_count = 3, .polygon_count = 1, .corners = corners};
+    struct gd_mesh *mesh = test_mesh(&one);
+    struct gd_field *field = field_of_boundaries(mesh, 0);
+    struct gd_vec3 at = farthest(field, &point, &distance);
+    check_close(distance, 1, 1e-14);
+    assert_true(gd_vec3_distance(at, (struct gd_vec3){1, 1, 0}) < 1e-13);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
+/* Between a mantle's ends the ridge goes round: it has no end, and no vertex lies on it. */
+static void of_a_mantle(void **state)
+{
+    (void)state;
+    struct rng rng = {21};
+    for (uint32_t sides = 3; sides <= 12; sides++) {
+        double height = rng_between(&rng, 1, 3), more = rng_between(&rng, 0, 0.5);
+        struct gd_polygons polygons;
+        check_ok(sample_cylinder(rng_between(&rng, 0.3, 1), height, sides, 1 + sides % 4, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_field *field = field_of_boundaries(mesh, more);
+        struct gd_point point;
+        double distance;
+        struct gd_vec3 at = farthest(field, &point, &distance);
+        check_close(distance, 0.5 * (height + more), 1e-14);
+        assert_true(fabs(fabs(at.z - 0.5 * height) - 0.5 * more) < promise);
+        gd_field_release(field);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
+/* Appends seeds of the straight way from a to b along the lines of an 8 x 8 grid of cells x cells; returns how many there are then. */
+static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct gd_vec3 b, uint32_t cells,
+                           struct gd_seed *seeds, uint32_t count)
+{
+    struct gd_vec3 step = gd_vec3_scale(gd_vec3_sub(b, a), 1.0 / cells);
+    seeds[count++] = (struct gd_seed){.point = point_at(mesh, a.x, a.y, 0)};
+    for (uint32_t i = 1; i <= cells; i++) {
+        struct gd_vec3 end = gd_vec3_along(a, i, step);
+        seeds[count] = (struct gd_seed){.point = seeds[count - 1].point, .is_segment = true};
+        seeds[count++].end = point_at(mesh, end.x, end.y, 0);
+        seeds[count] = (struct gd_seed){.point = seeds[count - 1].end};
+        count++;
+    }
+    return count;
+}
+
+static void check_place(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double distance,
+                        struct gd_vec3 expected)
+{
+    struct gd_field *field = field_of(mesh, seeds, count, 0);
+    struct gd_point point;
+    double most;
+    struct gd_vec3 at = farthest(field, &point, &most);
+    check_close(most, distance, 1e-12);
+    assert_true(gd_vec3_distance(at, expected) < promise);
+    gd_field_release(field);
+}
+
+/* By so many quarters of a turn about the square's middle. */
+static struct gd_vec3 turned(double x, double y, int quarters)
+{
+    for (; quarters > 0; quarters--) {
+        double left = 8 - y;
+        y = x;
+        x = left;
+    }
+    return (struct gd_vec3){x, y, 0};
+}
+
+static void check_borders(const struct gd_mesh *mesh, uint32_t cells, int quarters)
+{
+    struct gd_vec3 corner[4] = {turned(0, 0, quarters), turned(8, 0, quarters), turned(8, 8, quarters),
+                                turned(0, 8, quarters)},
+                   beside = turned(8, 6, quarters);
+    struct gd_seed seeds[64];
+    uint32_t count = put_border(mesh, corner[0], corner[1], cells, seeds, 0);
+    for (int i = 2; i < 4; i++) seeds[count++] = (struct gd_seed){.point = point_at(mesh, corner[i].x, corner[i].y, 0)};
+    check_place(mesh, seeds, count, 5, turned(4, 5, quarters)); /* r = y, r^2 = 16 + (8 - y)^2 */
+    count = put_border(mesh, corner[3], corner[0], cells, seeds, count);
+    double r = 8 * (2 - M_SQRT2); /* x = y = sqrt(2) (8 - x) */
+    check_place(mesh, seeds, count, r, turned(r, r, quarters));
+    count = put_border(mesh, corner[3], corner[0], cells, seeds, 0);
+    seeds[count++] = (struct gd_seed){.point = point_at(mesh, beside.x, beside.y, 0)};
+    check_place(mesh, seeds, count, 6.25, turned(6.25, 0, quarters)); /* x^2 = (8 - x)^2 + 36 */
+}
+
+/* Between two points and a segment, a point and two segments, and on the boundary between one of each; in a face and across many. */
+static void between_points_and_segments(void **state)
+{
+    (void)state;
+    for (uint32_t cells = 1; cells <= 9; cells += 4) {
+        struct gd_polygons polygons;
+        check_ok(sample_grid(cells, cells, 8, 8, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        for (int quarters = 0; quarters < 4; quarters++) check_borders(mesh, cells, quarters);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+}
+
 /* --- the pillow: a unit square covered twice ------------------------------------------------------------------------------ */
 
 static double over_pillow(const double p[3], const double q[3])
@@ -213,16 +362,44 @@ static void of_a_pillow(void **state)
 
 /* --- any surface --------------------------------------------------------------------------------------------------------- */
 
-/* No point of any face is farther, and none close to the farthest. */
+/* No point of any face is farther than the farthest one, and none close to it, of whose kind one more is counted. */
+static void check_farthest(const struct gd_field *field, const struct gd_polygons *polygons, struct rng *rng,
+                           uint32_t kinds[3])
+{
+    const struct gd_mesh *mesh = gd_field_mesh(field);
+    struct gd_point point;
+    double distance;
+    farthest(field, &point, &distance);
+    kinds[point.kind]++;
+    struct gd_point_description d;
+    gd_point_describe(mesh, &point, &d);
+    for (int k = 0; k < 20000; k++) {
+        struct test_place place = test_random_place(polygons, rng);
+        if (k % 2) { /* beside the farthest one, in one of its faces */
+            double near = pow(10, -1 - rng_between(rng, 0, 6));
+            place = (struct test_place){.face = d.face.index};
+            double toward[3] = {rng_between(rng, 0, 1), rng_between(rng, 0, 1), rng_between(rng, 0, 1)};
+            for (int i = 0; i < 3; i++)
+                place.weight[i] =
+                    (1 - near) * d.barycentric[i] + near * toward[i] / (toward[0] + toward[1] + toward[2]);
+        }
+        double other;
+        struct gd_point q = test_point(mesh, place);
+        check_ok(gd_field_distance(field, &q, &other), NULL);
+        assert_true(isinf(other) || other <= distance * (1 + 1e-12));
+    }
+}
+
+static const struct {
+    const char *name;
+    double values[SAMPLE_PARAMETERS];
+} surfaces[] = {{"icosphere", {2, 1}}, {"torus", {20, 10, 1, 0.4}}, {"terrain", {10, 0.3, 7}},
+                {"genus2", {2, 0.03}}, {"saddle", {1, 0.6, 5, 6}},  {"cylinder", {0.1, 3, 16, 5}},
+                {"tangle", {200, 11}}, {"tetrahedron", {1, 2}}};
+
 static void of_any_surface(void **state)
 {
     (void)state;
-    static const struct {
-        const char *name;
-        double values[SAMPLE_PARAMETERS];
-    } surfaces[] = {{"icosphere", {2, 1}}, {"torus", {20, 10, 1, 0.4}}, {"terrain", {10, 0.3, 7}},
-                    {"genus2", {2, 0.03}}, {"saddle", {1, 0.6, 5, 6}},  {"cylinder", {0.1, 3, 16, 5}},
-                    {"tangle", {200, 11}}, {"tetrahedron", {1, 2}}};
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_polygons polygons;
         check_ok(sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons), NULL);
@@ -233,27 +410,7 @@ static void of_any_surface(void **state)
             struct gd_seed seeds[3] = {0};
             for (int i = 0; i < 3; i++) seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
             struct gd_field *field = field_of(mesh, seeds, round % 2 ? 3 : 1, 0);
-            struct gd_point point;
-            double distance;
-            farthest(field, &point, &distance);
-            kinds[point.kind]++;
-            struct gd_point_description d;
-            gd_point_describe(mesh, &point, &d);
-            for (int k = 0; k < 20000; k++) {
-                struct test_place place = test_random_place(&polygons, &rng);
-                if (k % 2) { /* beside the farthest one, in one of its faces */
-                    double near = pow(10, -1 - rng_between(&rng, 0, 6));
-                    place = (struct test_place){.face = d.face.index};
-                    double toward[3] = {rng_between(&rng, 0, 1), rng_between(&rng, 0, 1), rng_between(&rng, 0, 1)};
-                    for (int i = 0; i < 3; i++)
-                        place.weight[i] =
-                            (1 - near) * d.barycentric[i] + near * toward[i] / (toward[0] + toward[1] + toward[2]);
-                }
-                double other;
-                struct gd_point q = test_point(mesh, place);
-                check_ok(gd_field_distance(field, &q, &other), NULL);
-                assert_true(isinf(other) || other <= distance * (1 + 1e-12));
-            }
+            check_farthest(field, &polygons, &rng, kinds);
             gd_field_release(field);
         }
         print_message("# %s: farthest points %u vertices, %u on edges, %u in faces\n", surfaces[s].name,
@@ -261,6 +418,31 @@ static void of_any_surface(void **state)
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
+}
+
+/* From the boundaries of random surfaces, and of those that have any. */
+static void of_boundaries_of_any_surface(void **state)
+{
+    (void)state;
+    struct rng rng = {77};
+    uint32_t kinds[3] = {0}, count = sizeof surfaces / sizeof *surfaces;
+    for (uint32_t s = 0; s < count + 24; s++) {
+        struct gd_polygons polygons;
+        check_ok(s < count ? sample_find(surfaces[s].name)->generate(surfaces[s].values, &polygons)
+                           : sample_tangle(40 + 5 * s, s, &polygons),
+                 NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        if (gd_mesh_summary(mesh)->boundaries) {
+            struct gd_field *field = field_of_boundaries(mesh, 0);
+            check_farthest(field, &polygons, &rng, kinds);
+            gd_field_release(field);
+        }
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+    print_message("# farthest from boundaries: %u vertices, %u on edges, %u in faces\n", kinds[GD_POINT_VERTEX],
+                  kinds[GD_POINT_EDGE], kinds[GD_POINT_FACE]);
+    assert_true(kinds[GD_POINT_FACE] > 0);
 }
 
 static bool never(void *user, double fraction)
@@ -297,9 +479,16 @@ static void what_is_left_out_and_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_a_cube),      cmocka_unit_test(of_the_box_1_1_2),
-        cmocka_unit_test(of_a_square),    cmocka_unit_test(of_a_pillow),
-        cmocka_unit_test(of_any_surface), cmocka_unit_test(what_is_left_out_and_refused),
+        cmocka_unit_test(of_a_cube),
+        cmocka_unit_test(of_the_box_1_1_2),
+        cmocka_unit_test(of_a_square),
+        cmocka_unit_test(of_a_pillow),
+        cmocka_unit_test(of_a_boundary),
+        cmocka_unit_test(of_a_mantle),
+        cmocka_unit_test(between_points_and_segments),
+        cmocka_unit_test(of_boundaries_of_any_surface),
+        cmocka_unit_test(of_any_surface),
+        cmocka_unit_test(what_is_left_out_and_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,194 +1,28 @@
-#include "tests/support/test.h"
+#include "tests/support/diagram.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "gd/locate.h"
-#include "gd/voronoi.h"
-#include "mesh/topology.h"
 #include "tests/samples/samples.h"
 
 static const double promise = 1e-9;
 
 enum { SEEDS_MOST = 12 };
 
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+/* Each seed is a member. */
+static struct diagram diagram_of_seeds(const struct gd_mesh *mesh, struct member_set *set, const struct gd_seed *seeds,
+                                       uint32_t count, double tolerance)
 {
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
+    *set = (struct member_set){0};
+    for (uint32_t i = 0; i < count; i++) member_set_put_point(set, seeds[i].point, seeds[i].offset);
+    return diagram_of(mesh, set, tolerance);
 }
 
-/* A diagram and all that it is checked by. */
-struct subject {
-    const struct gd_mesh *mesh;
-    uint32_t count;
-    struct gd_field *field, *alone[SEEDS_MOST];
-    struct gd_voronoi voronoi;
-    double size; /* largest distance at a vertex, or 1 where that is less: surfaces are as large */
-};
-
-static struct subject subject_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count,
-                                 double tolerance)
+static void free_diagram(struct diagram *diagram, struct member_set *set)
 {
-    struct subject subject = {.mesh = mesh, .count = count, .field = field_of(mesh, seeds, count, 0), .size = 1};
-    for (uint32_t i = 0; i < count; i++) subject.alone[i] = field_of(mesh, &seeds[i], 1, 0);
-    check_ok(gd_voronoi_trace(subject.field, tolerance, NULL, &subject.voronoi), NULL);
-    uint32_t vertices = gd_mesh_summary(mesh)->index_count;
-    double *distance = malloc(sizeof *distance * vertices);
-    gd_field_vertex_distances(subject.field, distance);
-    for (uint32_t i = 0; i < vertices; i++)
-        if (isfinite(distance[i])) subject.size = fmax(subject.size, distance[i]);
-    free(distance);
-    return subject;
-}
-
-static void free_subject(struct subject *subject)
-{
-    gd_voronoi_free(&subject->voronoi);
-    for (uint32_t i = 0; i < subject->count; i++) gd_field_release(subject->alone[i]);
-    gd_field_release(subject->field);
-}
-
-static double distance_of(const struct gd_field *field, const struct gd_point *point)
-{
-    double distance;
-    check_ok(gd_field_distance(field, point, &distance), NULL);
-    return distance;
-}
-
-/* --- laws ------------------------------------------------------------------------------------------------------------------- */
-
-/* Both members are as near, and nothing is nearer. */
-static void check_point(const struct subject *subject, const struct gd_bisector *bisector, const struct gd_point *point)
-{
-    double least = distance_of(subject->field, point);
-    for (int i = 0; i < 2; i++) {
-        double own = distance_of(subject->alone[bisector->members[i]], point);
-        double slack = promise * fmax(least, 0.01 * subject->size);
-        if (fabs(own - least) <= slack) continue;
-        print_error("members %u %u: %.17g instead of %.17g\n", bisector->members[0], bisector->members[1], own, least);
-        fail();
-    }
-}
-
-static bool is_on_boundary(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    if (point->kind == GD_POINT_VERTEX) return mesh->vertex_kind[point->element] == GD_VERTEX_BOUNDARY;
-    if (point->kind == GD_POINT_FACE) return false;
-    return gd__side_is_boundary(mesh, 2 * point->element) || gd__side_is_boundary(mesh, 2 * point->element + 1);
-}
-
-/* Ends of bisectors within rounding of a place. */
-static uint32_t ends_at(const struct subject *subject, const struct gd_point *point)
-{
-    struct gd_vec3 at = gd_point_position(subject->mesh, point);
-    uint32_t ends = 0;
-    for (uint32_t i = 0; i < subject->voronoi.bisector_count; i++) {
-        const struct gd_bisector *b = &subject->voronoi.bisectors[i];
-        struct gd_vec3 first = gd_point_position(subject->mesh, &b->points[0]),
-                       last = gd_point_position(subject->mesh, &b->points[b->point_count - 1]);
-        if (b->closed) continue;
-        ends += gd_vec3_distance(first, at) < promise * subject->size;
-        ends += gd_vec3_distance(last, at) < promise * subject->size;
-    }
-    return ends;
-}
-
-/* An open bisector ends on the boundary or where others do. */
-static void check_end(const struct subject *subject, const struct gd_bisector *bisector, uint32_t i)
-{
-    const struct gd_point *point = &bisector->points[i];
-    if (is_on_boundary(subject->mesh, point) || ends_at(subject, point) >= 3) return;
-    struct gd_vec3 at = gd_point_position(subject->mesh, point);
-    print_error("members %u %u: a loose end at %.17g %.17g %.17g\n", bisector->members[0], bisector->members[1], at.x,
-                at.y, at.z);
-    fail();
-}
-
-static void check_bisector(const struct subject *subject, const struct gd_bisector *bisector)
-{
-    double length = 0;
-    assert_true(bisector->point_count >= 2);
-    assert_true(bisector->members[0] < bisector->members[1] && bisector->members[1] < subject->count);
-    for (uint32_t i = 0; i < bisector->point_count; i++) {
-        check_point(subject, bisector, &bisector->points[i]);
-        if (i)
-            length += gd_vec3_distance(gd_point_position(subject->mesh, &bisector->points[i - 1]),
-                                       gd_point_position(subject->mesh, &bisector->points[i]));
-    }
-    check_close(bisector->length, length, 1e-10);
-    assert_int_equal(bisector->closed,
-                     gd_point_equal(&bisector->points[0], &bisector->points[bisector->point_count - 1]));
-    if (bisector->closed) return;
-    check_end(subject, bisector, 0);
-    check_end(subject, bisector, bisector->point_count - 1);
-}
-
-/* A vertex is of a member that is as near as any. */
-static uint32_t *check_labels(const struct subject *subject)
-{
-    uint32_t vertices = gd_mesh_summary(subject->mesh)->index_count, *labels = malloc(sizeof *labels * vertices);
-    double *least = malloc(sizeof *least * vertices), *own = malloc(sizeof *own * vertices);
-    check_ok(gd_voronoi_labels(subject->field, labels), NULL);
-    gd_field_vertex_distances(subject->field, least);
-    for (uint32_t i = 0; i < vertices; i++) assert_int_equal(labels[i] == UINT32_MAX, !isfinite(least[i]));
-    for (uint32_t k = 0; k < subject->count; k++) {
-        gd_field_vertex_distances(subject->alone[k], own);
-        for (uint32_t i = 0; i < vertices; i++) {
-            if (labels[i] == k) check_close(own[i], least[i], 1e-12);
-            if (labels[i] != UINT32_MAX) assert_true(own[i] >= least[i] * (1 - 1e-12));
-        }
-    }
-    free(least);
-    free(own);
-    return labels;
-}
-
-/* Is a vertex as near to another member as to its own? */
-static bool ties(const struct subject *subject, uint32_t vertex)
-{
-    struct gd_point point = {.kind = GD_POINT_VERTEX, .element = vertex};
-    double least = distance_of(subject->field, &point);
-    uint32_t as_near = 0;
-    for (uint32_t i = 0; i < subject->count; i++)
-        as_near += distance_of(subject->alone[i], &point) <= least + promise * subject->size;
-    return as_near > 1;
-}
-
-/* Between vertices of different members there is a bisector's point on the edge, if they are not ties. */
-static void check_edges(const struct subject *subject, const uint32_t *labels)
-{
-    const struct gd_mesh *mesh = subject->mesh;
-    bool *edge = calloc(mesh->edge_count, sizeof *edge);
-    for (uint32_t i = 0; i < subject->voronoi.bisector_count; i++) {
-        const struct gd_bisector *b = &subject->voronoi.bisectors[i];
-        for (uint32_t k = 0; k < b->point_count; k++) {
-            if (b->points[k].kind == GD_POINT_EDGE) edge[b->points[k].element] = true;
-        }
-    }
-    for (uint32_t e = 0; e < mesh->edge_count; e++) {
-        uint32_t a = mesh->origin[2 * e], b = mesh->origin[2 * e + 1];
-        uint32_t of_a = labels[mesh->index_of_vertex[a]], of_b = labels[mesh->index_of_vertex[b]];
-        if (of_a == of_b || edge[e] || ties(subject, a) || ties(subject, b)) continue;
-        struct gd_vec3 p = gd_point_position(mesh, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = a}),
-                       q = gd_point_position(mesh, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = b});
-        print_error("no bisector between %g %g %g of %u and %g %g %g of %u\n", p.x, p.y, p.z, of_a, q.x, q.y, q.z,
-                    of_b);
-        fail();
-    }
-    free(edge);
-}
-
-static void check_subject(const struct subject *subject)
-{
-    for (uint32_t i = 0; i < subject->voronoi.bisector_count; i++)
-        check_bisector(subject, &subject->voronoi.bisectors[i]);
-    uint32_t *labels = check_labels(subject);
-    check_edges(subject, labels);
-    free(labels);
+    diagram_free(diagram);
+    member_set_free(set);
 }
 
 /* --- closed forms ----------------------------------------------------------------------------------------------------------- */
@@ -210,13 +44,6 @@ static struct gd_mesh *square(uint32_t cells)
     return mesh;
 }
 
-static double total_length(const struct subject *subject)
-{
-    double length = 0;
-    for (uint32_t i = 0; i < subject->voronoi.bisector_count; i++) length += subject->voronoi.bisectors[i].length;
-    return length;
-}
-
 /* Between two points of the plane lies their perpendicular bisector; here the line x = 1/2, or one at a slant. */
 static void two_points_in_the_plane(void **state)
 {
@@ -230,10 +57,11 @@ static void two_points_in_the_plane(void **state)
             const double *p = places[s];
             struct gd_seed seeds[2] = {{.point = point_near(mesh, p[0], p[1], 0)},
                                        {.point = point_near(mesh, p[2], p[3], 0)}};
-            struct subject subject = subject_of(mesh, seeds, 2, 1e-3);
-            check_subject(&subject);
-            assert_int_equal(subject.voronoi.bisector_count, 1);
-            const struct gd_bisector *b = &subject.voronoi.bisectors[0];
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-3);
+            check_diagram(&diagram);
+            assert_int_equal(diagram.voronoi.bisector_count, 1);
+            const struct gd_bisector *b = &diagram.voronoi.bisectors[0];
             for (uint32_t i = 0; i < b->point_count; i++) {
                 struct gd_vec3 at = gd_point_position(mesh, &b->points[i]);
                 double off =
@@ -242,7 +70,7 @@ static void two_points_in_the_plane(void **state)
             }
             if (s < 4 || s == 5) check_close(b->length, 1, promise);
             if (s == 4 || s == 8) check_close(b->length, sqrt(2), promise);
-            free_subject(&subject);
+            free_diagram(&diagram, &set);
         }
         gd_mesh_release(mesh);
     }
@@ -262,12 +90,13 @@ static void three_points_in_the_plane(void **state)
             struct gd_seed seeds[3] = {{.point = point_near(mesh, p[0], p[1], 0)},
                                        {.point = point_near(mesh, p[2], p[3], 0)},
                                        {.point = point_near(mesh, p[4], p[5], 0)}};
-            struct subject subject = subject_of(mesh, seeds, 3, 1e-3);
-            check_subject(&subject);
-            assert_int_equal(subject.voronoi.bisector_count, 3);
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 3, 1e-3);
+            check_diagram(&diagram);
+            assert_int_equal(diagram.voronoi.bisector_count, 3);
             struct gd_point centre = point_near(mesh, p[6], p[7], 0);
-            assert_int_equal(ends_at(&subject, &centre), 3);
-            free_subject(&subject);
+            assert_int_equal(diagram_ends_at(&diagram, &centre), 3);
+            free_diagram(&diagram, &set);
         }
         gd_mesh_release(mesh);
     }
@@ -285,10 +114,11 @@ static void four_corners_meet_in_the_middle(void **state)
                                        {.point = point_near(mesh, high, low, 0)},
                                        {.point = point_near(mesh, high, high, 0)},
                                        {.point = point_near(mesh, low, high, 0)}};
-            struct subject subject = subject_of(mesh, seeds, 4, 1e-3);
-            check_subject(&subject);
-            check_close(total_length(&subject), 2, 1e-7);
-            free_subject(&subject);
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 4, 1e-3);
+            check_diagram(&diagram);
+            check_close(diagram_length(&diagram), 2, 1e-7);
+            free_diagram(&diagram, &set);
         }
         gd_mesh_release(mesh);
     }
@@ -304,14 +134,15 @@ static void offsets_bend_the_bisector(void **state)
             double offset = 0.11 * step;
             struct gd_seed seeds[2] = {{.point = point_near(mesh, 0.25, 0.5, 0), .offset = 0},
                                        {.point = point_near(mesh, 0.75, 0.5, 0), .offset = offset}};
-            struct subject subject = subject_of(mesh, seeds, 2, 1e-5);
-            if (offset < 0.5) check_subject(&subject);
-            assert_int_equal(subject.voronoi.bisector_count, offset < 0.5);
-            for (uint32_t i = 0; offset < 0.5 && i < subject.voronoi.bisectors[0].point_count; i++) {
-                struct gd_vec3 at = gd_point_position(mesh, &subject.voronoi.bisectors[0].points[i]);
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-5);
+            if (offset < 0.5) check_diagram(&diagram);
+            assert_int_equal(diagram.voronoi.bisector_count, offset < 0.5);
+            for (uint32_t i = 0; offset < 0.5 && i < diagram.voronoi.bisectors[0].point_count; i++) {
+                struct gd_vec3 at = gd_point_position(mesh, &diagram.voronoi.bisectors[0].points[i]);
                 check_close(hypot(at.x - 0.25, at.y - 0.5), hypot(at.x - 0.75, at.y - 0.5) + offset, promise);
             }
-            free_subject(&subject);
+            free_diagram(&diagram, &set);
         }
         gd_mesh_release(mesh);
     }
@@ -344,17 +175,18 @@ static void opposite_points_of_symmetric_surfaces(void **state)
         const double *p = cases[s].seeds, *n = cases[s].normal;
         struct gd_seed seeds[2] = {{.point = point_near(mesh, p[0], p[1], p[2])},
                                    {.point = point_near(mesh, p[3], p[4], p[5])}};
-        struct subject subject = subject_of(mesh, seeds, 2, 1e-3);
-        check_subject(&subject);
-        assert_int_equal(subject.voronoi.bisector_count, 1);
-        const struct gd_bisector *b = &subject.voronoi.bisectors[0];
+        struct member_set set;
+        struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-3);
+        check_diagram(&diagram);
+        assert_int_equal(diagram.voronoi.bisector_count, 1);
+        const struct gd_bisector *b = &diagram.voronoi.bisectors[0];
         assert_true(b->closed);
         for (uint32_t i = 0; i < b->point_count; i++) {
             struct gd_vec3 at = gd_point_position(mesh, &b->points[i]);
             assert_true(fabs(at.x * n[0] + at.y * n[1] + at.z * n[2] - cases[s].through) < promise);
         }
         if (cases[s].length > 0) check_close(b->length, cases[s].length, promise);
-        free_subject(&subject);
+        free_diagram(&diagram, &set);
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
     }
@@ -384,10 +216,11 @@ static void random_members_on_many_surfaces(void **state)
                 seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
                 seeds[i].offset = trial % 2 ? rng_between(&rng, 0, 0.1) : 0;
             }
-            struct subject subject = subject_of(mesh, seeds, count, 1e-3);
-            check_subject(&subject);
-            bisectors += subject.voronoi.bisector_count;
-            free_subject(&subject);
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, count, 1e-3);
+            check_diagram(&diagram);
+            bisectors += diagram.voronoi.bisector_count;
+            free_diagram(&diagram, &set);
             gd_mesh_release(mesh);
             gd_polygons_free(&polygons);
         }
@@ -404,16 +237,17 @@ static void members_that_own_nothing(void **state)
     struct gd_point left = point_near(mesh, 0.2, 0.4, 0), right = point_near(mesh, 0.8, 0.4, 0);
     struct gd_seed seeds[5] = {
         {.point = left, .offset = 0.1}, {.point = left}, {.point = left}, {.point = right}, {.point = right}};
-    struct subject subject = subject_of(mesh, seeds, 5, 1e-3);
-    check_subject(&subject);
-    assert_int_equal(subject.voronoi.bisector_count, 1);
-    assert_int_equal(subject.voronoi.bisectors[0].members[0], 1);
-    assert_int_equal(subject.voronoi.bisectors[0].members[1], 3);
-    free_subject(&subject);
-    subject = subject_of(mesh, seeds, 3, 1e-3);
-    check_subject(&subject);
-    assert_int_equal(subject.voronoi.bisector_count, 0);
-    free_subject(&subject);
+    struct member_set set;
+    struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 5, 1e-3);
+    check_diagram(&diagram);
+    assert_int_equal(diagram.voronoi.bisector_count, 1);
+    assert_int_equal(diagram.voronoi.bisectors[0].members[0], 1);
+    assert_int_equal(diagram.voronoi.bisectors[0].members[1], 3);
+    free_diagram(&diagram, &set);
+    diagram = diagram_of_seeds(mesh, &set, seeds, 3, 1e-3);
+    check_diagram(&diagram);
+    assert_int_equal(diagram.voronoi.bisector_count, 0);
+    free_diagram(&diagram, &set);
     gd_mesh_release(mesh);
 }
 
@@ -430,14 +264,24 @@ static void ties_behind_a_saddle(void **state)
         seeds[1].point = point_near(mesh, 0.5 * cos(angle), 0.5 * sin(angle), other % 2 ? -0.3 : 0.3);
         seeds[2].point = point_near(mesh, -0.3, -0.7, 0);
         for (uint32_t count = 2; count <= 3; count++) {
-            struct subject subject = subject_of(mesh, seeds, count, 1e-3);
-            check_subject(&subject);
-            assert_true(subject.voronoi.bisector_count > 0);
-            free_subject(&subject);
+            struct member_set set;
+            struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, count, 1e-3);
+            check_diagram(&diagram);
+            assert_true(diagram.voronoi.bisector_count > 0);
+            free_diagram(&diagram, &set);
         }
     }
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
+}
+
+static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+{
+    struct gd_field *field = NULL;
+    struct gd_detail detail = {0};
+    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    return field;
 }
 
 struct watch {
@@ -463,25 +307,25 @@ static void what_is_refused(void **state)
                                {.point = point_near(mesh, 0.5, 0.9, 0)}};
     struct gd_field *field = field_of(mesh, seeds, 3, 0), *partial = field_of(mesh, seeds, 3, 0.1);
     struct gd_voronoi voronoi = {.bisector_count = 77};
-    assert_int_equal(gd_voronoi_trace(field, 0, NULL, &voronoi), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_voronoi_trace(field, NAN, NULL, &voronoi), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_voronoi_trace(partial, 1, NULL, &voronoi), GD_BEYOND_REACH);
+    assert_int_equal(gd_voronoi_trace(field, NULL, 0, NULL, &voronoi), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_voronoi_trace(field, NULL, NAN, NULL, &voronoi), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_voronoi_trace(partial, NULL, 1, NULL, &voronoi), GD_BEYOND_REACH);
     struct watch watch = {.patience = 3};
     struct gd_control control = {.progress = watch_progress, .user = &watch};
-    assert_int_equal(gd_voronoi_trace(field, 1e-3, &control, &voronoi), GD_CANCELLED);
+    assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &control, &voronoi), GD_CANCELLED);
     struct gd_control poor = {.budget_bytes = 64};
-    assert_int_equal(gd_voronoi_trace(field, 1e-3, &poor, &voronoi), GD_BUDGET);
+    assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &poor, &voronoi), GD_BUDGET);
     watch = (struct watch){.patience = UINT32_MAX};
     struct gd_control tight = {.budget_bytes = 4 << 20, .progress = watch_progress, .user = &watch};
-    assert_int_equal(gd_voronoi_trace(field, 1e-15, &tight, &voronoi), GD_BUDGET); /* by its points */
+    assert_int_equal(gd_voronoi_trace(field, NULL, 1e-15, &tight, &voronoi), GD_BUDGET); /* by its points */
     assert_true(watch.last >= 0.9);
     assert_int_equal(voronoi.bisector_count, 77);
     watch = (struct watch){.patience = UINT32_MAX};
-    check_ok(gd_voronoi_trace(field, 1e-3, &control, &voronoi), NULL);
+    check_ok(gd_voronoi_trace(field, NULL, 1e-3, &control, &voronoi), NULL);
     gd_voronoi_free(&voronoi);
     gd_voronoi_free(NULL);
     uint32_t labels[4096], known = 0, count = gd_mesh_summary(mesh)->index_count;
-    check_ok(gd_voronoi_labels(partial, labels), NULL);
+    check_ok(gd_voronoi_labels(partial, NULL, labels), NULL);
     for (uint32_t i = 0; i < count; i++) known += labels[i] != UINT32_MAX;
     assert_true(known > 10 && known < count / 2);
     gd_field_release(field);

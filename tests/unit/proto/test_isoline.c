@@ -168,7 +168,7 @@ static void encodes_lines(void **state)
                    "{\"isolines\":[{\"level\":0.5,\"lines\":[{\"closed\":true,\"length\":2.5,\"points\":[]}]}]}");
 }
 
-/* Angles begin in [0, 2 pi) whatever they were. */
+/* Angles begin in [0, 2 pi) whatever they were; what is straight has none. */
 static void encodes_arcs(void **state)
 {
     (void)state;
@@ -178,6 +178,10 @@ static void encodes_arcs(void **state)
     struct proto_writer writer = new_writer();
     proto_arc_encode(&writer, mesh, &arc);
     assert_written(&writer, "{\"face\":1,\"centre\":[1,2,3],\"radius\":2,\"start\":0,\"end\":0.5}");
+    struct gd_isoline_arc straight = {.face = {2}, .u = 1, .to = 3, .centre = {1, 0, 0}};
+    writer = new_writer();
+    proto_arc_encode(&writer, mesh, &straight);
+    assert_written(&writer, "{\"face\":2,\"straight\":true}");
     gd_mesh_release(mesh);
 }
 
