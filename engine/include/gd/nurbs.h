@@ -1,0 +1,61 @@
+/* NURBS: a tensor-product rational B-spline surface as a parametric surface.
+ *
+ * Source: L. Piegl, W. Tiller, The NURBS Book, chapters 2 to 4. Trimming loops are not supported. */
+#ifndef GD_NURBS_H
+#define GD_NURBS_H
+
+#include "gd/parametric.h"
+
+#define GD_NURBS_DEGREE_MAX 15
+#define GD_NURBS_COUNT_MAX  4096 /* control points in one direction */
+
+/* How programs store their surfaces. */
+enum gd_nurbs_convention {
+    GD_NURBS_CANONICAL, /* points as they are, n + degree + 1 knots for n control points */
+    GD_NURBS_THREE,     /* three.js: the same */
+    GD_NURBS_VERB,      /* verb-nurbs: points multiplied by their weight */
+    GD_NURBS_RHINO /* openNURBS: points multiplied by their weight, no superfluous first and last knot: n + degree - 1 knots */
+};
+
+/* Borrowed for the call. */
+struct gd_nurbs_data {
+    enum gd_nurbs_convention convention;
+    uint32_t degree_u, degree_v;
+    uint32_t count_u, count_v; /* control points */
+    const double *knots_u, *knots_v;
+    uint32_t knot_count_u, knot_count_v;
+    const double (*points)[3]; /* point (i, j) at i * count_v + j: i goes with u */
+    const double *weights;     /* in the same order; NULL: all 1 */
+};
+
+/* Why data are no surface. X(NAME, name) */
+#define GD_NURBS_FLAW_MAP(X)                                                                                           \
+    X(NONE, none)                                                                                                      \
+    X(DEGREE, degree)                                                                                                  \
+    X(CONTROL_COUNT, control_count)                                                                                    \
+    X(KNOT_COUNT, knot_count)                                                                                          \
+    X(NON_FINITE, non_finite)                                                                                          \
+    X(DECREASING_KNOTS, decreasing_knots)                                                                              \
+    X(KNOT_MULTIPLICITY, knot_multiplicity)                                                                            \
+    X(EMPTY_DOMAIN, empty_domain)                                                                                      \
+    X(WEIGHT, weight)                                                                                                  \
+    X(EXTENT, extent)
+
+enum gd_nurbs_flaw {
+#define GD_NURBS_FLAW_ENUM(NAME, name) GD_NURBS_FLAW_##NAME,
+    GD_NURBS_FLAW_MAP(GD_NURBS_FLAW_ENUM)
+#undef GD_NURBS_FLAW_ENUM
+};
+
+/* The flaw's name in snake_case ("decreasing_knots"): static. */
+const char *gd_nurbs_flaw_name(enum gd_nurbs_flaw flaw);
+
+/* The first flaw of the data and a sentence that says where; GD_NURBS_FLAW_NONE: there is none. `detail` may be NULL. O(data). Thread-safe. */
+enum gd_nurbs_flaw gd_nurbs_inspect(const struct gd_nurbs_data *data, struct gd_detail *detail);
+
+/* The surface of the data. Closed directions (both borders the same curve) and poles (a border that is one point) are recognised; interior knots are its
+ * lines. Errors: GD_INVALID_ARGUMENT (a flaw: the sentence of gd_nurbs_inspect), GD_NO_MEMORY. The caller owns one reference of `*out`. */
+GD_MUST_USE enum gd_status gd_nurbs_create(const struct gd_nurbs_data *data, struct gd_parametric **out,
+                                           struct gd_detail *detail);
+
+#endif

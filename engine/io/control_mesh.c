@@ -1,0 +1,187 @@
+/* Control meshes: any mesh file, and in OBJ the tag lines `t name ints/floats/strings values...` of OpenSubdiv. */
+#include "gd/control_mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/scan.h"
+
+void gd_control_mesh_free(struct gd_control_mesh *mesh)
+{
+    if (!mesh) return;
+    gd_polygons_free(&mesh->polygons);
+    free(mesh->creases);
+    free(mesh->corners);
+    *mesh = (struct gd_control_mesh){0};
+}
+
+/* The counts behind a tag's name. */
+struct counts {
+    int64_t whole, real, text;
+};
+
+/* One tag's values: whole numbers, then real ones. */
+struct tag {
+    struct gd__scan *scan;
+    struct gd_control_mesh *mesh;
+    const char *place;
+    struct counts counts;
+};
+
+static enum gd_status read_counts(struct gd__scan *scan, struct counts *out)
+{
+    int64_t *counts[] = {&out->whole, &out->real, &out->text};
+    enum gd_status status = GD_OK;
+    for (int i = 0; !status && i < 3; i++) {
+        status = gd__scan_integer(scan, counts[i]);
+        if (!status && (*counts[i] < 0 || *counts[i] > 1 << 30)) status = gd__scan_unexpected(scan, "a count");
+        if (status || i == 2) break;
+        if (gd__scan_left(scan) == 0 || *scan->at != '/') return gd__scan_unexpected(scan, "counts as in 2/1/0");
+        scan->at++;
+    }
+    return status;
+}
+
+static enum gd_status read_vertex(const struct tag *tag, uint32_t *out)
+{
+    int64_t vertex;
+    const char *place = tag->scan->at;
+    enum gd_status status = gd__scan_integer(tag->scan, &vertex);
+    if (status) return status;
+    if (vertex < 0 || vertex >= tag->mesh->polygons.position_count)
+        return gd__scan_fail(tag->scan, place, GD_INDEX, "the tag names vertex %lld; they are counted from 0 to %u",
+                             (long long)vertex, tag->mesh->polygons.position_count - 1);
+    *out = (uint32_t)vertex;
+    return GD_OK;
+}
+
+/* Sharpnesses: one for all `count` items, or one each. */
+static enum gd_status read_sharpness(const struct tag *tag, int64_t index, double *value)
+{
+    return index < tag->counts.real ? gd__scan_number(tag->scan, value) : GD_OK;
+}
+
+static enum gd_status check_counts(const struct tag *tag, int64_t least, int64_t items)
+{
+    const struct counts *counts = &tag->counts;
+    if (counts->whole >= least && (counts->real == 1 || counts->real == items) && counts->text == 0) return GD_OK;
+    return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX,
+                         "the tag has %lld whole and %lld real numbers: one sharpness for all or one each is expected",
+                         (long long)counts->whole, (long long)counts->real);
+}
+
+static void *grown(void *array, uint32_t count, int64_t more, size_t size)
+{
+    return realloc(array, (count + (size_t)more + 1) * size);
+}
+
+/* A tag can't have more values than its line has characters. */
+static enum gd_status check_length(const struct tag *tag)
+{
+    if ((uint64_t)tag->counts.whole <= gd__scan_left(tag->scan)) return GD_OK;
+    return gd__scan_fail(tag->scan, tag->place, GD_TRUNCATED, "the tag declares %lld numbers, which do not follow",
+                         (long long)tag->counts.whole);
+}
+
+static enum gd_status read_crease(const struct tag *tag)
+{
+    struct gd_control_mesh *mesh = tag->mesh;
+    int64_t edges = tag->counts.whole - 1;
+    enum gd_status status = check_counts(tag, 2, edges);
+    if (!status) status = check_length(tag);
+    if (status) return status;
+    struct gd_crease *creases = grown(mesh->creases, mesh->crease_count, edges, sizeof *creases);
+    if (!creases) return GD_NO_MEMORY;
+    mesh->creases = creases;
+    creases += mesh->crease_count;
+    uint32_t vertex = 0, before;
+    status = read_vertex(tag, &vertex);
+    for (int64_t i = 0; !status && i < edges; i++) {
+        before = vertex;
+        status = read_vertex(tag, &vertex);
+        creases[i] = (struct gd_crease){{before, vertex}, 0};
+    }
+    double sharpness = 0;
+    for (int64_t i = 0; !status && i < edges; i++) {
+        status = read_sharpness(tag, i, &sharpness);
+        creases[i].sharpness = sharpness;
+    }
+    if (!status) mesh->crease_count += (uint32_t)edges;
+    return status;
+}
+
+static enum gd_status read_corner(const struct tag *tag)
+{
+    struct gd_control_mesh *mesh = tag->mesh;
+    int64_t count = tag->counts.whole;
+    enum gd_status status = check_counts(tag, 1, count);
+    if (!status) status = check_length(tag);
+    if (status) return status;
+    struct gd_corner *corners = grown(mesh->corners, mesh->corner_count, count, sizeof *corners);
+    if (!corners) return GD_NO_MEMORY;
+    mesh->corners = corners;
+    corners += mesh->corner_count;
+    for (int64_t i = 0; !status && i < count; i++) status = read_vertex(tag, &corners[i].vertex);
+    double sharpness = 0;
+    for (int64_t i = 0; !status && i < count; i++) {
+        status = read_sharpness(tag, i, &sharpness);
+        corners[i].sharpness = sharpness;
+    }
+    if (!status) mesh->corner_count += (uint32_t)count;
+    return status;
+}
+
+static enum gd_status read_boundary(const struct tag *tag)
+{
+    static const enum gd_interpolate_boundary rules[] = {GD_INTERPOLATE_NONE, GD_INTERPOLATE_EDGE_AND_CORNER,
+                                                         GD_INTERPOLATE_EDGE_ONLY};
+    int64_t number;
+    enum gd_status status = gd__scan_integer(tag->scan, &number);
+    if (status) return status;
+    if (number < 0 || number > 2)
+        return gd__scan_fail(tag->scan, tag->place, GD_SYNTAX, "interpolateboundary is 0, 1 or 2, not %lld",
+                             (long long)number);
+    tag->mesh->boundary = rules[number];
+    return GD_OK;
+}
+
+static enum gd_status read_tag(struct gd__scan *scan, struct gd_control_mesh *mesh)
+{
+    struct tag tag = {.scan = scan, .mesh = mesh, .place = scan->at};
+    struct gd__word name = gd__scan_word(scan);
+    if (name.length > 10 && memcmp(name.at, "facevarying", 11) == 0) return GD_OK;
+    enum gd_status status = read_counts(scan, &tag.counts);
+    if (status) return status;
+    if (gd__word_is(name, "crease")) return read_crease(&tag);
+    if (gd__word_is(name, "corner")) return read_corner(&tag);
+    if (gd__word_is(name, "interpolateboundary")) return read_boundary(&tag);
+    return gd__scan_fail(scan, tag.place, GD_UNSUPPORTED, "the tag '%s' is not supported", gd__excerpt(name).text);
+}
+
+static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_read_limits *limits,
+                                struct gd_control_mesh *mesh, struct gd_detail *detail)
+{
+    struct gd__scan scan = gd__scan_begin(bytes, size, detail);
+    scan.comments = scan.continued = true;
+    enum gd_status status = GD_OK;
+    for (uint32_t line = 0; !status && scan.at < scan.end; gd__scan_skip_line(&scan), line++) {
+        if (line % 4096 == 0) status = gd_control_check(limits ? limits->control : NULL, 1);
+        if (!status && gd__word_is(gd__scan_word(&scan), "t")) status = read_tag(&scan, mesh);
+    }
+    return status;
+}
+
+enum gd_status gd_read_control_mesh(const void *bytes, size_t size, enum gd_format format,
+                                    const struct gd_read_limits *limits, struct gd_control_mesh *out,
+                                    struct gd_detail *detail)
+{
+    if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
+    struct gd_control_mesh mesh = {0};
+    enum gd_status status = gd_read_polygons(bytes, size, format, limits, &mesh.polygons, detail);
+    if (!status && format == GD_FORMAT_OBJ) status = read_tags(bytes, size, limits, &mesh, detail);
+    if (status)
+        gd_control_mesh_free(&mesh);
+    else
+        *out = mesh;
+    return status;
+}

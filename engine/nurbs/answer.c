@@ -1,0 +1,165 @@
+#include "nurbs/answer.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "nurbs/bspline.h"
+#include "nurbs/energy.h"
+
+enum { PANELS = 32 };
+
+static void geodesic_free(struct gd_geodesic *geodesic)
+{
+    for (uint32_t i = 0; i < geodesic->piece_count; i++) {
+        free(geodesic->pieces[i].knots);
+        free(geodesic->pieces[i].points);
+    }
+    free(geodesic->pieces);
+}
+
+void gd_geodesics_free(struct gd_geodesics *geodesics)
+{
+    if (!geodesics) return;
+    for (uint32_t i = 0; i < geodesics->count; i++) geodesic_free(&geodesics->items[i]);
+    free(geodesics->items);
+    *geodesics = (struct gd_geodesics){0};
+}
+
+static enum gd_status copy_piece(const struct gd__chain *chain, const struct gd__piece *piece,
+                                 struct gd_geodesic_piece *out)
+{
+    uint32_t points = gd__piece_points(chain, piece), knots = points + chain->degree + 1;
+    *out = (struct gd_geodesic_piece){.degree = chain->degree, .count = points};
+    out->knots = malloc(knots * sizeof *out->knots);
+    out->points = malloc(points * sizeof *out->points);
+    if (!out->knots || !out->points) return GD_NO_MEMORY;
+    memcpy(out->knots, piece->knots, knots * sizeof *out->knots);
+    memcpy(out->points, piece->points, points * sizeof *out->points);
+    return GD_OK;
+}
+
+static enum gd_status copy_pieces(const struct gd__way *way, struct gd_geodesic *out)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < way->parts; i++) count += way->part[i].chain->piece_count;
+    out->pieces = calloc(count, sizeof *out->pieces);
+    enum gd_status status = out->pieces ? GD_OK : GD_NO_MEMORY;
+    for (uint32_t i = 0; i < way->parts && !status; i++) {
+        const struct gd__chain *chain = way->part[i].chain;
+        for (uint32_t k = 0; k < chain->piece_count && !status; k++)
+            status = copy_piece(chain, &chain->pieces[k], &out->pieces[out->piece_count++]);
+    }
+    return status;
+}
+
+/* Length of a span of a curve that knows no cells: by many panels, as lines of the surface may cross it anywhere. */
+static double panel_length(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+{
+    const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / PANELS;
+    const struct gd__gauss *rule = gd__gauss(GD__GAUSS_LEAST);
+    double sum = 0;
+    for (int i = 0; i < PANELS * GD__GAUSS_LEAST; i++) {
+        struct gd__curve_jet c;
+        struct gd_jet x;
+        double t = knot[0] + (i / GD__GAUSS_LEAST + rule->node[i % GD__GAUSS_LEAST]) * width;
+        gd__piece_at(chain, piece, span, t, &c);
+        gd__piece_jet(chain, piece, c.at, &x);
+        sum += rule->weight[i % GD__GAUSS_LEAST] * width * gd_vec3_length(gd__velocity(&x, c.first));
+    }
+    return sum;
+}
+
+/* Length, bend and unevenness of all pieces. */
+static void measure(const struct gd__way *way, struct gd_geodesic *out)
+{
+    double uneven = 0;
+    for (uint32_t i = 0; i < way->parts; i++) {
+        const struct gd__chain *chain = way->part[i].chain;
+        for (uint32_t k = 0; k < chain->piece_count; k++) {
+            const struct gd__piece *piece = &chain->pieces[k];
+            double length = 0;
+            for (uint32_t span = 0; span < piece->spans; span++) {
+                double bend, part;
+                gd__energy_bend(chain, piece, span, &bend, &part);
+                out->curvature += bend;
+                length += piece->whole ? panel_length(chain, piece, span) : part;
+            }
+            out->length += length;
+            uneven += fabs(2 * gd__energy_value(chain, piece) - length * length);
+        }
+    }
+    out->speed_defect = uneven / (out->length * out->length);
+}
+
+/* Parameter and angle at an end; a point has neither. */
+static void set_end(const struct gd__chain *chain, int side, double *parameter, double *angle)
+{
+    const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
+    *parameter = 0;
+    *angle = M_PI_2;
+    if (joint->kind != GD__JOINT_CURVE) return;
+    struct gd__curve_jet c;
+    struct gd_jet x;
+    gd__joint_jet(joint, joint->at, &c);
+    struct gd_vec3 path = gd__chain_velocity(chain, side, &x), curve = gd__velocity(&x, c.first);
+    double turns;
+    *parameter = gd__curve_reduce(joint->curve, joint->at, &turns);
+    *angle = atan2(gd_vec3_length(gd_vec3_cross(path, curve)), gd_vec3_dot(path, curve));
+}
+
+static void set_verdict(const struct gd__way *way, struct gd_geodesic *out)
+{
+    out->is_minimum = gd__way_is_minimum(way);
+    if (!out->is_minimum) out->warnings |= GD_GEODESIC_NOT_MINIMAL;
+    if (way->parts > 1) out->warnings |= GD_GEODESIC_THROUGH_POLE;
+    for (uint32_t i = 0; i < way->parts; i++) {
+        const struct gd__solution *part = &way->part[i];
+        out->error += part->error;
+        out->iterations += part->iterations;
+        out->residual = fmax(out->residual, sqrt(2 * part->report.decrement));
+        if (!part->converged) out->warnings |= GD_GEODESIC_NOT_CONVERGED;
+        if (part->report.contact) out->warnings |= GD_GEODESIC_BOUNDARY_CONTACT;
+        if (part->corner) out->warnings |= GD_GEODESIC_CURVE_CORNER;
+    }
+}
+
+enum gd_status gd__answer_make(const struct gd__way *way, struct gd_geodesic *out)
+{
+    struct gd_geodesic answer = {0};
+    enum gd_status status = copy_pieces(way, &answer);
+    if (status) {
+        geodesic_free(&answer);
+        return status;
+    }
+    measure(way, &answer);
+    set_end(way->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);
+    set_end(way->part[way->parts - 1].chain, 1, &answer.to_parameter, &answer.to_angle);
+    set_verdict(way, &answer);
+    *out = answer;
+    return GD_OK;
+}
+
+static void piece_place(const struct gd_geodesic_piece *piece, double t, double at[2])
+{
+    struct gd__basis basis;
+    uint32_t span = gd__basis_span(piece->degree, piece->count, piece->knots, t);
+    gd__basis(piece->degree, piece->knots, span, t, &basis);
+    at[0] = at[1] = 0;
+    for (uint32_t i = 0; i <= piece->degree; i++)
+        for (int k = 0; k < 2; k++) at[k] += basis.value[i] * piece->points[span - piece->degree + i][k];
+}
+
+enum gd_status gd_geodesic_sample(const struct gd_parametric *surface, const struct gd_geodesic *geodesic,
+                                  uint32_t count, double (*uv)[2], struct gd_vec3 *xyz)
+{
+    if (count < 2 || !geodesic->piece_count) return GD_INVALID_ARGUMENT;
+    for (uint32_t i = 0; i < count; i++) {
+        double place = (double)i / (count - 1) * geodesic->piece_count, at[2];
+        uint32_t piece = place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
+        piece_place(&geodesic->pieces[piece], place - piece, at);
+        if (uv) memcpy(uv[i], at, sizeof at);
+        if (xyz) xyz[i] = gd__surface_position(surface, at);
+    }
+    return GD_OK;
+}

@@ -1,0 +1,324 @@
+#include "nurbs/curve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/tolerance.h"
+#include "nurbs/bspline.h"
+
+double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns)
+{
+    *turns = 0;
+    if (s >= curve->low && s <= curve->high) return s;
+    if (!curve->closed) return s < curve->low ? curve->low : curve->high;
+    double period = curve->high - curve->low;
+    *turns = floor((s - curve->low) / period);
+    return fmin(fmax(s - *turns * period, curve->low), curve->high);
+}
+
+static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double s, struct gd__curve_jet *out)
+{
+    struct gd__basis basis;
+    gd__basis(curve->degree, curve->knots, span, s, &basis);
+    *out = (struct gd__curve_jet){0};
+    for (uint32_t i = 0; i <= curve->degree; i++) {
+        const double *point = curve->points[span - curve->degree + i];
+        for (int k = 0; k < 2; k++) {
+            out->at[k] += basis.value[i] * point[k];
+            out->first[k] += basis.first[i] * point[k];
+            out->second[k] += basis.second[i] * point[k];
+        }
+    }
+}
+
+static uint32_t span_of(const struct gd_domain_curve *curve, double s)
+{
+    return gd__basis_span(curve->degree, curve->count, curve->knots, s);
+}
+
+void gd__curve_jet(const struct gd_domain_curve *curve, double s, struct gd__curve_jet *out)
+{
+    if (curve->is_point) {
+        *out = (struct gd__curve_jet){.at = {curve->points[0][0], curve->points[0][1]}};
+        return;
+    }
+    double turns, within = gd__curve_reduce(curve, s, &turns);
+    evaluate(curve, span_of(curve, within), within, out);
+    for (int k = 0; k < 2; k++) out->at[k] += turns * curve->winding[k];
+}
+
+void gd__curve_jet_in(const struct gd_domain_curve *curve, uint32_t i, double s, struct gd__curve_jet *out)
+{
+    evaluate(curve, span_of(curve, 0.5 * (curve->breaks[i] + curve->breaks[i + 1])), s, out);
+}
+
+uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
+{
+    uint32_t i = 0;
+    while (i + 2 < curve->break_count && s >= curve->breaks[i + 1]) i++;
+    return i;
+}
+
+/* --- breaks ------------------------------------------------------------------------------------------------------- */
+
+enum { LOOKS = 32 }; /* at a polynomial piece, for where it crosses lines of the surface */
+
+static enum gd_status add_break(struct gd_domain_curve *curve, uint32_t *capacity, double s)
+{
+    double near = GD_TOL_ADJACENT * (curve->high - curve->low);
+    if (curve->break_count && s - curve->breaks[curve->break_count - 1] <= near) return GD_OK;
+    if (curve->break_count == *capacity) {
+        *capacity = *capacity ? 2 * *capacity : 16;
+        double *grown = realloc(curve->breaks, *capacity * sizeof *grown);
+        if (!grown) return GD_NO_MEMORY;
+        curve->breaks = grown;
+    }
+    curve->breaks[curve->break_count++] = s;
+    return GD_OK;
+}
+
+/* Where the coordinate changes between cells, between a and b: bisection. */
+static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k, double a, double b)
+{
+    const struct gd_axis *axis = curve->surface->axis[k];
+    struct gd__curve_jet jet;
+    evaluate(curve, span, a, &jet);
+    int32_t cell = gd__axis_cell(axis, jet.at[k]);
+    for (int i = 0; i < 100 && a < 0.5 * (a + b) && 0.5 * (a + b) < b; i++) {
+        double middle = 0.5 * (a + b);
+        evaluate(curve, span, middle, &jet);
+        if (gd__axis_cell(axis, jet.at[k]) == cell)
+            a = middle;
+        else
+            b = middle;
+    }
+    return b;
+}
+
+/* Appends the crossings within one step of a polynomial piece, in order. */
+static enum gd_status break_step(struct gd_domain_curve *curve, uint32_t *capacity, uint32_t span, double a, double b)
+{
+    struct gd__curve_jet from, to;
+    evaluate(curve, span, a, &from);
+    evaluate(curve, span, b, &to);
+    double at[2] = {INFINITY, INFINITY};
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = curve->surface->axis[k];
+        if (gd__axis_cell(axis, from.at[k]) != gd__axis_cell(axis, to.at[k])) at[k] = crossing(curve, span, k, a, b);
+    }
+    enum gd_status status = GD_OK;
+    if (fmin(at[0], at[1]) <= b) status = add_break(curve, capacity, fmin(at[0], at[1]));
+    if (!status && fmax(at[0], at[1]) <= b) status = add_break(curve, capacity, fmax(at[0], at[1]));
+    return status;
+}
+
+static enum gd_status find_breaks(struct gd_domain_curve *curve)
+{
+    uint32_t capacity = 0;
+    enum gd_status status = GD_OK;
+    for (uint32_t span = curve->degree; span < curve->count && !status; span++) {
+        double a = curve->knots[span], b = curve->knots[span + 1];
+        if (!(a < b)) continue;
+        status = add_break(curve, &capacity, a);
+        for (int i = 0; i < LOOKS && !status; i++)
+            status = break_step(curve, &capacity, span, a + (b - a) * i / LOOKS,
+                                i + 1 == LOOKS ? b : a + (b - a) * (i + 1) / LOOKS);
+    }
+    if (!status) status = add_break(curve, &capacity, curve->high);
+    if (!status && curve->break_count) curve->breaks[curve->break_count - 1] = curve->high;
+    return status;
+}
+
+/* --- making one --------------------------------------------------------------------------------------------------- */
+
+/* Closed: both ends are one place, or as many whole periods apart. */
+static void find_closure(struct gd_domain_curve *curve)
+{
+    struct gd__curve_jet from, to;
+    evaluate(curve, span_of(curve, curve->low), curve->low, &from);
+    evaluate(curve, span_of(curve, curve->high), curve->high, &to);
+    curve->closed = true;
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = curve->surface->axis[k];
+        double period = gd__axis_period(axis), apart = to.at[k] - from.at[k];
+        curve->winding[k] = axis->closed ? round(apart / period) * period : 0;
+        if (fabs(apart - curve->winding[k]) > GD_TOL_ADJACENT * (axis->high - axis->low)) curve->closed = false;
+    }
+    if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
+}
+
+static enum gd_status check_places(const struct gd_parametric *surface, const double (*points)[2], uint32_t count,
+                                   struct gd_detail *detail)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (!isfinite(points[i][0]) || !isfinite(points[i][1]))
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "point %u of the curve has a coordinate that is not finite", i);
+        if (!gd_parametric_contains(surface, points[i][0], points[i][1]))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "point %u of the curve, (%.17g, %.17g), lies outside the surface's domain", i, points[i][0],
+                           points[i][1]);
+    }
+    return GD_OK;
+}
+
+static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t count, struct gd_detail *detail)
+{
+    for (uint32_t i = 0; i < count + degree + 1; i++)
+        if (!isfinite(knots[i]) || (i && knots[i] < knots[i - 1]))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "knot %u of the curve is not finite or less than the one before", i);
+    for (uint32_t i = degree + 1; i + degree < count; i++)
+        if (knots[i] == knots[i + degree])
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "knot %u of the curve is repeated more than %u times", i,
+                           degree);
+    if (!(knots[degree] < knots[count]))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the curve's knots leave it no domain");
+    return GD_OK;
+}
+
+/* Takes checked arrays; `degree` 0 with one point is a point. */
+static enum gd_status make(const struct gd_parametric *surface, uint32_t degree, const double *knots,
+                           const double (*points)[2], uint32_t count, struct gd_domain_curve **out,
+                           struct gd_detail *detail)
+{
+    struct gd_domain_curve *curve = calloc(1, sizeof *curve);
+    if (!curve) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    atomic_init(&curve->references, 1);
+    curve->surface = gd_parametric_retain(surface);
+    curve->degree = degree;
+    curve->count = count;
+    curve->is_point = degree == 0;
+    curve->points = malloc(count * sizeof *points);
+    curve->knots = malloc((count + degree + 1) * sizeof *knots);
+    enum gd_status status = curve->points && curve->knots ? GD_OK : GD_NO_MEMORY;
+    if (!status) {
+        memcpy(curve->points, points, count * sizeof *points);
+        memcpy(curve->knots, knots, (count + degree + 1) * sizeof *knots);
+        curve->low = knots[degree];
+        curve->high = knots[count];
+    }
+    if (!status && !curve->is_point) {
+        find_closure(curve);
+        status = find_breaks(curve);
+    }
+    if (status) {
+        gd_domain_curve_release(curve);
+        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    }
+    *out = curve;
+    return GD_OK;
+}
+
+enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u, double v,
+                                     struct gd_domain_curve **out, struct gd_detail *detail)
+{
+    if (!gd_parametric_contains(surface, u, v))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the point (%.17g, %.17g) lies outside the surface's domain", u, v);
+    return make(surface, 0, (double[]){0, 1}, (const double[][2]){{u, v}}, 1, out, detail);
+}
+
+enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree, const double *knots,
+                                       const double (*points)[2], uint32_t count, struct gd_domain_curve **out,
+                                       struct gd_detail *detail)
+{
+    if (degree < 1 || degree > GD__DEGREE_MAX)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d", GD__DEGREE_MAX);
+    if (count < degree + 1 || count > GD_DOMAIN_CURVE_COUNT_MAX)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve of degree %u has between %u and %d points", degree,
+                       degree + 1, GD_DOMAIN_CURVE_COUNT_MAX);
+    enum gd_status status = check_places(surface, points, count, detail);
+    if (!status) status = check_knots(degree, knots, count, detail);
+    return status ? status : make(surface, degree, knots, points, count, out, detail);
+}
+
+enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, const double (*corners)[2], uint32_t count,
+                                        struct gd_domain_curve **out, struct gd_detail *detail)
+{
+    if (count < 2 || count > GD_DOMAIN_CURVE_COUNT_MAX)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has between 2 and %d corners",
+                       GD_DOMAIN_CURVE_COUNT_MAX);
+    enum gd_status status = check_places(surface, corners, count, detail);
+    if (status) return status;
+    for (uint32_t i = 1; i < count; i++)
+        if (corners[i][0] == corners[i - 1][0] && corners[i][1] == corners[i - 1][1])
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "corners %u and %u of the polyline are one place", i - 1, i);
+    double *knots = malloc((count + 2) * sizeof *knots);
+    if (!knots) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    for (uint32_t i = 0; i < count; i++) knots[i + 1] = i;
+    knots[0] = 0;
+    knots[count + 1] = count - 1;
+    status = make(surface, 1, knots, corners, count, out, detail);
+    free(knots);
+    return status;
+}
+
+enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_iso fixed, double at,
+                                   struct gd_domain_curve **out, struct gd_detail *detail)
+{
+    int k = fixed == GD_ISO_U ? 0 : 1;
+    const struct gd_axis *along = surface->axis[1 - k];
+    double ends[2][2];
+    for (int i = 0; i < 2; i++) {
+        ends[i][k] = at;
+        ends[i][1 - k] = i ? along->high : along->low;
+    }
+    if (gd__surface_pole(surface, k, at))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the line %c = %.17g is a pole: one point of the surface", "uv"[k],
+                       at);
+    return gd_domain_curve_bspline(surface, 1, (double[]){along->low, along->low, along->high, along->high},
+                                   (const double(*)[2])ends, 2, out, detail);
+}
+
+struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve)
+{
+    struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_domain_curve_release(const struct gd_domain_curve *curve)
+{
+    struct gd_domain_curve *shared = (struct gd_domain_curve *)curve;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    gd_parametric_release(shared->surface);
+    free(shared->knots);
+    free(shared->points);
+    free(shared->breaks);
+    free(shared);
+}
+
+size_t gd_domain_curve_memsize(const struct gd_domain_curve *curve)
+{
+    return sizeof *curve + curve->count * sizeof *curve->points +
+           (curve->count + curve->degree + 1 + curve->break_count) * sizeof(double);
+}
+
+const struct gd_parametric *gd_domain_curve_surface(const struct gd_domain_curve *curve)
+{
+    return curve->surface;
+}
+
+bool gd_domain_curve_is_point(const struct gd_domain_curve *curve)
+{
+    return curve->is_point;
+}
+
+bool gd_domain_curve_is_closed(const struct gd_domain_curve *curve)
+{
+    return curve->closed;
+}
+
+void gd_domain_curve_range(const struct gd_domain_curve *curve, double *low, double *high)
+{
+    *low = curve->low;
+    *high = curve->high;
+}
+
+void gd_domain_curve_at(const struct gd_domain_curve *curve, double s, double uv[2])
+{
+    struct gd__curve_jet jet;
+    gd__curve_jet(curve, s, &jet);
+    uv[0] = jet.at[0];
+    uv[1] = jet.at[1];
+}

@@ -1,0 +1,157 @@
+#include "nurbs/grid.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum {
+    ACROSS = 9,
+    ALONG = 8,
+    LEAST_STEPS = 8
+}; /* lines at which a cell is measured, places on each; fewest steps in a direction */
+
+/* Length of a cell in one direction and its bend |x''| width^2: the greatest of several lines across it. */
+struct cell_size {
+    double low, high, length, bend;
+};
+
+static void measure_line(const struct gd_parametric *surface, int k, int32_t index, double across,
+                         struct cell_size *size)
+{
+    double length = 0, width = size->high - size->low;
+    struct gd_vec3 before = {0};
+    struct gd__cell cell;
+    cell.index[k] = index;
+    cell.index[1 - k] = gd__axis_cell(surface->axis[1 - k], across);
+    for (int i = 0; i <= ALONG; i++) {
+        double at[2];
+        at[k] = size->low + width * i / ALONG;
+        at[1 - k] = across;
+        struct gd_jet jet;
+        gd__surface_jet(surface, cell, at, &jet);
+        if (i) length += gd_vec3_distance(before, jet.x);
+        before = jet.x;
+        size->bend = fmax(size->bend, gd_vec3_length(k ? jet.vv : jet.uu) * width * width);
+    }
+    size->length = fmax(size->length, length);
+}
+
+static struct cell_size measure(const struct gd_parametric *surface, int k, int32_t index)
+{
+    const struct gd_axis *axis = surface->axis[k], *other = surface->axis[1 - k];
+    bool is_line;
+    struct cell_size size = {axis->low, axis->high, 0, 0};
+    if (index > 0) size.low = gd__axis_line(axis, index, &is_line);
+    if (index < (int32_t)axis->line_count) size.high = gd__axis_line(axis, index + 1, &is_line);
+    for (int i = 0; i < ACROSS; i++)
+        measure_line(surface, k, index, other->low + (other->high - other->low) * (i + 0.5) / ACROSS, &size);
+    return size;
+}
+
+static double total_length(const struct cell_size *sizes, uint32_t count)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += sizes[i].length;
+    return sum;
+}
+
+/* An edge of 1/steps of the cell deviates by bend / (8 steps^2); both directions share what is allowed. */
+static double steps_of(const struct cell_size *size, double step, double deviation, double share)
+{
+    double steps = fmax(ceil(size->length / step), 1);
+    if (deviation > 0) steps = fmax(steps, ceil(sqrt(size->bend / (4 * deviation))));
+    return fmax(steps, ceil(LEAST_STEPS * share));
+}
+
+static enum gd_status divide(const struct cell_size *sizes, uint32_t cells, double step, double deviation, double **out,
+                             uint32_t *steps)
+{
+    double count = 0;
+    for (uint32_t i = 0; i < cells; i++) count += steps_of(&sizes[i], step, deviation, 1.0 / cells);
+    if (!(count <= GD_TESSELLATION_FACES_MAX)) return GD_TOO_LARGE;
+    double *at = malloc(((size_t)count + 1) * sizeof *at);
+    if (!at) return GD_NO_MEMORY;
+    uint32_t filled = 0;
+    for (uint32_t i = 0; i < cells; i++) {
+        double parts = steps_of(&sizes[i], step, deviation, 1.0 / cells);
+        for (uint32_t j = 0; j < (uint32_t)parts; j++)
+            at[filled++] = sizes[i].low + (sizes[i].high - sizes[i].low) * j / parts;
+    }
+    at[filled] = sizes[cells - 1].high;
+    *out = at;
+    *steps = filled;
+    return GD_OK;
+}
+
+/* As many steps as are asked for, whatever lies between. */
+static enum gd_status divide_evenly(const struct gd_axis *axis, uint32_t steps, double **out)
+{
+    double *at = malloc((steps + (size_t)1) * sizeof *at);
+    if (!at) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < steps; i++) at[i] = axis->low + (axis->high - axis->low) * i / steps;
+    at[steps] = axis->high;
+    *out = at;
+    return GD_OK;
+}
+
+static enum gd_status make_even(const struct gd_parametric *surface, const uint32_t steps[2], struct gd__grid *out)
+{
+    struct gd__grid grid = {.steps = {steps[0], steps[1]}};
+    enum gd_status status = 2.0 * steps[0] * steps[1] > GD_TESSELLATION_FACES_MAX ? GD_TOO_LARGE : GD_OK;
+    for (int k = 0; k < 2 && !status; k++) status = divide_evenly(surface->axis[k], steps[k], &grid.at[k]);
+    if (status)
+        gd__grid_free(&grid);
+    else
+        *out = grid;
+    return status;
+}
+
+enum gd_status gd__grid_make(const struct gd_parametric *surface, const struct gd_tessellation_options *options,
+                             struct gd__grid *out)
+{
+    if (options && options->steps[0]) return make_even(surface, options->steps, out);
+    struct gd__grid grid = {0};
+    struct cell_size *sizes[2] = {0};
+    double lengths[2] = {0};
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 2; k++) {
+        uint32_t cells = surface->axis[k]->line_count + 1;
+        sizes[k] = malloc(cells * sizeof **sizes);
+        if (!sizes[k]) status = GD_NO_MEMORY;
+        for (uint32_t i = 0; i < cells && !status; i++) sizes[k][i] = measure(surface, k, (int32_t)i);
+        if (!status) lengths[k] = total_length(sizes[k], cells);
+    }
+    double faces = options && options->faces ? options->faces : GD_TESSELLATION_FACES;
+    double step = sqrt(2 * lengths[0] * lengths[1] / faces), deviation = options ? options->deviation : 0;
+    for (int k = 0; k < 2 && !status; k++)
+        status = divide(sizes[k], surface->axis[k]->line_count + 1, step, deviation, &grid.at[k], &grid.steps[k]);
+    free(sizes[0]);
+    free(sizes[1]);
+    if (!status && 2.0 * grid.steps[0] * grid.steps[1] > GD_TESSELLATION_FACES_MAX) status = GD_TOO_LARGE;
+    if (status)
+        gd__grid_free(&grid);
+    else
+        *out = grid;
+    return status;
+}
+
+void gd__grid_free(struct gd__grid *grid)
+{
+    free(grid->at[0]);
+    free(grid->at[1]);
+    *grid = (struct gd__grid){0};
+}
+
+uint32_t gd__grid_step(const struct gd__grid *grid, int axis, double t, double *part)
+{
+    const double *at = grid->at[axis];
+    uint32_t low = 0, high = grid->steps[axis];
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (t < at[middle])
+            high = middle;
+        else
+            low = middle;
+    }
+    *part = fmin(fmax((t - at[low]) / (at[low + 1] - at[low]), 0), 1);
+    return low;
+}

@@ -1,0 +1,139 @@
+#include "nurbs/meet.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+
+enum { PLACES_LEAST = 128, PLACES_MOST = 1024, STEPS_MOST = 100 };
+
+/* Places on a curve: some in each of its intervals. */
+struct places {
+    uint32_t count;
+    double *s;
+    struct gd_vec3 *x;
+};
+
+static enum gd_status look(const struct gd_domain_curve *curve, struct places *out)
+{
+    uint32_t intervals = curve->is_point ? 1 : curve->break_count - 1;
+    uint32_t each = curve->is_point ? 1 : (PLACES_LEAST + intervals - 1) / intervals;
+    if (!curve->is_point && each < 4) each = 4;
+    if (each * intervals > PLACES_MOST) each = PLACES_MOST / intervals + 1;
+    *out = (struct places){.s = malloc((each * intervals + 1) * sizeof *out->s),
+                           .x = malloc((each * intervals + 1) * sizeof *out->x)};
+    if (!out->s || !out->x) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < intervals && !curve->is_point; i++)
+        for (uint32_t k = 0; k < each; k++)
+            out->s[out->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
+    out->s[out->count++] = curve->is_point ? 0 : curve->high;
+    for (uint32_t i = 0; i < out->count; i++) {
+        struct gd__curve_jet jet;
+        gd__curve_jet(curve, out->s[i], &jet);
+        out->x[i] = gd__surface_position(curve->surface, jet.at);
+    }
+    return GD_OK;
+}
+
+static void places_free(struct places *places)
+{
+    free(places->s);
+    free(places->x);
+}
+
+/* A place of a curve in the domain and in space, with the derivative there. */
+struct view {
+    struct gd__curve_jet c;
+    struct gd_vec3 x, first;
+};
+
+static struct view view_of(const struct gd_domain_curve *curve, double s)
+{
+    struct view view;
+    struct gd_jet jet;
+    gd__curve_jet(curve, s, &view.c);
+    gd__surface_at(curve->surface, view.c.at, &jet);
+    view.x = jet.x;
+    view.first = gd_vec3_along(gd_vec3_scale(jet.u, view.c.first[0]), view.c.first[1], jet.v);
+    return view;
+}
+
+/* One place of the surface, not only of space: the surface may pass through itself. */
+static bool is_one_place(const struct gd_parametric *surface, const double a[2], const double b[2])
+{
+    for (int k = 0; k < 2; k++)
+        if (gd__surface_pole(surface, k, a[k]) && gd__surface_pole(surface, k, b[k])) return true;
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = surface->axis[k];
+        double period = gd__axis_period(axis), apart = a[k] - b[k];
+        if (axis->closed) apart -= round(apart / period) * period;
+        if (fabs(apart) > GD_TOL_ONE_PLACE * (axis->high - axis->low)) return false;
+    }
+    return true;
+}
+
+static double clamp(const struct gd_domain_curve *curve, double s)
+{
+    return curve->closed ? s : fmin(fmax(s, curve->low), curve->high);
+}
+
+/* Gauss-Newton on x(a(s)) - x(b(t)): quadratic where the curves cross. True: they meet. */
+static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b, double s[2])
+{
+    double near = GD_TOL_COINCIDE * a->surface->size + GD_TOL_LOCATE * a->surface->farthest;
+    for (int i = 0; i < STEPS_MOST; i++) {
+        struct view p = view_of(a, s[0]), q = view_of(b, s[1]);
+        struct gd_vec3 r = gd_vec3_sub(p.x, q.x);
+        if (gd_vec3_length(r) <= near) return is_one_place(a->surface, p.c.at, q.c.at);
+        double aa = gd_vec3_dot(p.first, p.first), bb = gd_vec3_dot(q.first, q.first);
+        double ab = gd_vec3_dot(p.first, q.first), ra = gd_vec3_dot(r, p.first), rb = gd_vec3_dot(r, q.first);
+        double damp = GD_TOL_PIVOT * (aa + bb), determinant = (aa + damp) * (bb + damp) - ab * ab;
+        if (!(determinant > 0)) return false;
+        double ds = (ab * rb - ra * (bb + damp)) / determinant, dt = ((aa + damp) * rb - ab * ra) / determinant;
+        double next[2] = {clamp(a, s[0] + (a->is_point ? 0 : ds)), clamp(b, s[1] + (b->is_point ? 0 : dt))};
+        if (next[0] == s[0] && next[1] == s[1]) return false;
+        s[0] = next[0], s[1] = next[1];
+    }
+    return false;
+}
+
+static double apart(const struct places *a, const struct places *b, uint32_t i, uint32_t j)
+{
+    return gd_vec3_distance(a->x[i], b->x[j]);
+}
+
+/* A pair no farther apart than the pairs around it, and near enough that the curves can meet between. */
+static bool is_candidate(const struct places *a, const struct places *b, uint32_t i, uint32_t j)
+{
+    double here = apart(a, b, i, j), step = 0;
+    if (i) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i - 1]));
+    if (i + 1 < a->count) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i + 1]));
+    if (j) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j - 1]));
+    if (j + 1 < b->count) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j + 1]));
+    if (here > 2 * step && here > 0) return false;
+    if (i && apart(a, b, i - 1, j) < here) return false;
+    if (i + 1 < a->count && apart(a, b, i + 1, j) < here) return false;
+    if (j && apart(a, b, i, j - 1) < here) return false;
+    return !(j + 1 < b->count && apart(a, b, i, j + 1) < here);
+}
+
+enum gd_status gd__curves_meet(const struct gd_domain_curve *a, const struct gd_domain_curve *b,
+                               const struct gd_control *control, bool *meet, double s[2])
+{
+    struct places of_a = {0}, of_b = {0};
+    enum gd_status status = look(a, &of_a);
+    if (!status) status = look(b, &of_b);
+    *meet = false;
+    for (uint32_t i = 0; i < of_a.count && !status && !*meet; i++) {
+        status = gd_control_check(control, 0);
+        for (uint32_t j = 0; j < of_b.count && !status && !*meet; j++) {
+            if (!is_candidate(&of_a, &of_b, i, j)) continue;
+            double at[2] = {of_a.s[i], of_b.s[j]};
+            *meet = approach(a, b, at);
+            if (*meet) s[0] = at[0], s[1] = at[1];
+        }
+    }
+    places_free(&of_a);
+    places_free(&of_b);
+    return status;
+}

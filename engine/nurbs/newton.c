@@ -1,0 +1,331 @@
+#include "nurbs/newton.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/tolerance.h"
+#include "nurbs/elimination.h"
+
+enum { HALVINGS_MOST = 24 };
+
+static const double armijo = 1e-4; /* part of the promised descent that must come true */
+
+struct state {
+    struct gd__chain *chain;
+    struct gd__part *parts;
+    double *diagonal, *beside, *move; /* tridiagonal system of the joints, its solution */
+    double *least;                    /* pivots nearer to 0 are 0 but for rounding */
+    double *kept_at;                  /* of the joints, and */
+    double *kept_points;              /* of all points before the step */
+    double *points_move;
+    bool contact;
+};
+
+static size_t state_doubles(const struct gd__chain *chain)
+{
+    size_t width = gd__energy_width(chain), sum = 5 * ((size_t)chain->piece_count + 1);
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        sum += gd__piece_unknowns(chain, &chain->pieces[i]) *
+               (2 * width + 1 + GD__PART_SOLUTIONS + 2 + 1); /* the last for `held` */
+    return sum;
+}
+
+static double *carve(double **at, size_t count)
+{
+    double *begin = *at;
+    *at += count;
+    return begin;
+}
+
+static enum gd_status state_make(struct gd__chain *chain, const struct gd_control *control, struct state *out)
+{
+    size_t doubles = state_doubles(chain);
+    enum gd_status status = gd_control_afford(control, doubles * sizeof(double));
+    if (status) return status;
+    *out = (struct state){.chain = chain};
+    double *at = calloc(doubles, sizeof *at);
+    out->parts = calloc(chain->piece_count, sizeof *out->parts);
+    if (!at || !out->parts) {
+        free(at);
+        free(out->parts);
+        return GD_NO_MEMORY;
+    }
+    size_t joints = chain->piece_count + (size_t)1, width = gd__energy_width(chain), all = 0;
+    out->diagonal = carve(&at, joints); /* the first: it is what is freed */
+    out->beside = carve(&at, joints);
+    out->move = carve(&at, joints);
+    out->kept_at = carve(&at, joints);
+    out->least = carve(&at, joints);
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        size_t unknowns = gd__piece_unknowns(chain, &chain->pieces[i]);
+        struct gd__part *part = &out->parts[i];
+        part->energy.gradient = carve(&at, unknowns);
+        part->energy.hessian = carve(&at, unknowns * width);
+        part->factor = carve(&at, unknowns * width);
+        for (int k = 0; k < GD__PART_SOLUTIONS; k++) part->solution[k] = carve(&at, unknowns);
+        part->held = (bool *)carve(&at, unknowns);
+        all += unknowns;
+    }
+    out->kept_points = carve(&at, all);
+    out->points_move = carve(&at, all);
+    return GD_OK;
+}
+
+static void state_free(struct state *state)
+{
+    free(state->diagonal);
+    free(state->parts);
+}
+
+/* --- the joints ----------------------------------------------------------------------------------------------------- */
+
+static bool joint_is_held(const struct gd__joint *joint, double slope)
+{
+    if (joint->kind == GD__JOINT_FIXED) return true;
+    return (joint->at <= joint->low && slope > 0) || (joint->at >= joint->high && slope < 0);
+}
+
+/* The system of F = sum sqrt(2 E_k): S / L - g g^T / L^3; the last term is Newton's only. Gauss-Newton's matrix does not see a path that moves sideways as a
+ * whole; its ends are damped as if the path were a spring of its own length. */
+static void couple(struct state *state, enum gd__hessian kind)
+{
+    uint32_t joints = state->chain->piece_count + 1;
+    memset(state->diagonal, 0, joints * sizeof *state->diagonal);
+    memset(state->beside, 0, joints * sizeof *state->beside);
+    memset(state->move, 0, joints * sizeof *state->move);
+    memset(state->least, 0, joints * sizeof *state->least);
+    for (uint32_t i = 0; i < state->chain->piece_count; i++) {
+        const struct gd__part *part = &state->parts[i];
+        double length = part->length, cubic = kind == GD__HESSIAN_NEWTON ? 1 / (length * length * length) : 0;
+        for (uint32_t side = 0; side < 2; side++) {
+            state->diagonal[i + side] +=
+                part->schur[side][side] / length - part->reduced[side] * part->reduced[side] * cubic;
+            state->move[i + side] -= part->reduced[side] / length;
+            state->least[i + side] += GD_TOL_DEGENERATE * part->weight[side] / length;
+            if (kind == GD__HESSIAN_GAUSS) state->diagonal[i + side] += part->weight[side] / length;
+        }
+        state->beside[i] = part->schur[1][0] / length - part->reduced[0] * part->reduced[1] * cubic;
+    }
+}
+
+static void hold_joints(struct state *state)
+{
+    uint32_t joints = state->chain->piece_count + 1;
+    for (uint32_t i = 0; i < joints; i++) {
+        const struct gd__joint *joint = &state->chain->joints[i];
+        if (!joint_is_held(joint, -state->move[i])) continue;
+        state->contact = state->contact || joint->kind == GD__JOINT_LINE;
+        state->diagonal[i] = 1;
+        state->least[i] = 0;
+        state->move[i] = 0;
+        state->beside[i] = 0;
+        if (i) state->beside[i - 1] = 0;
+    }
+}
+
+/* L D L^T of the tridiagonal system, in place. False: it has a negative pivot. One that is zero, as where all paths of a family are equally long, is taken
+ * for a small positive one. */
+static bool solve_joints(struct state *state)
+{
+    uint32_t joints = state->chain->piece_count + 1;
+    double *d = state->diagonal, *x = state->move;
+    for (uint32_t i = 0; i < joints; i++) {
+        if (i) {
+            double part = state->beside[i - 1] / d[i - 1];
+            d[i] -= part * state->beside[i - 1];
+            x[i] -= part * x[i - 1];
+        }
+        if (!(d[i] >= -state->least[i])) return false;
+        d[i] = fmax(d[i], state->least[i]);
+        if (!(d[i] > 0)) return false;
+    }
+    for (uint32_t i = joints; i-- > 0;) {
+        if (i + 1 < joints) x[i] -= state->beside[i] * x[i + 1];
+        x[i] /= d[i];
+    }
+    return true;
+}
+
+/* --- a step --------------------------------------------------------------------------------------------------------- */
+
+static double expand(struct state *state, enum gd__hessian kind)
+{
+    const struct gd__chain *chain = state->chain;
+    double sum = 0;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        struct gd__part *part = &state->parts[i];
+        gd__energy_expand(chain, &chain->pieces[i], kind, &part->energy);
+        part->length = sqrt(2 * part->energy.value);
+        for (uint32_t side = 0; side < 2; side++)
+            gd__joint_jet(&chain->joints[i + side], chain->joints[i + side].at, &part->end[side]);
+        sum += part->length;
+    }
+    return sum;
+}
+
+/* The step of one matrix, and its slope of F. False: not positive definite. */
+static bool find_step(struct state *state, enum gd__hessian kind, double *slope)
+{
+    const struct gd__chain *chain = state->chain;
+    state->contact = false;
+    double *scratch = state->points_move;
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        if (!gd__part_eliminate(chain, &chain->pieces[i], kind, scratch, &state->parts[i])) return false;
+    for (uint32_t i = 0; i < chain->piece_count; i++) state->contact = state->contact || state->parts[i].contact;
+    couple(state, kind);
+    hold_joints(state);
+    if (!solve_joints(state)) return false;
+    *slope = 0;
+    double *move = state->points_move;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        const struct gd__part *part = &state->parts[i];
+        uint32_t unknowns = gd__piece_unknowns(chain, &chain->pieces[i]);
+        double sum = 0;
+        for (uint32_t side = 0; side < 2; side++) sum += part->slope[side] * state->move[i + side];
+        for (uint32_t k = 0; k < unknowns; k++) {
+            move[k] = part->held[k]
+                          ? 0
+                          : -part->solution[GD__PART_GRADIENT][k] - part->solution[GD__PART_FROM][k] * state->move[i] -
+                                part->solution[GD__PART_TO][k] * state->move[i + 1];
+            sum += part->energy.gradient[k] * move[k];
+        }
+        *slope += sum / part->length;
+        move += unknowns;
+    }
+    return true;
+}
+
+static void keep(struct state *state)
+{
+    const struct gd__chain *chain = state->chain;
+    double *to = state->kept_points;
+    for (uint32_t i = 0; i <= chain->piece_count; i++) state->kept_at[i] = chain->joints[i].at;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        memcpy(to, chain->pieces[i].points, gd__piece_unknowns(chain, &chain->pieces[i]) * sizeof *to);
+        to += gd__piece_unknowns(chain, &chain->pieces[i]);
+    }
+}
+
+/* The chain as it was kept, moved by a part of the step and brought back into the domain. */
+static void move_by(struct state *state, double part)
+{
+    struct gd__chain *chain = state->chain;
+    const double *from = state->kept_points, *move = state->points_move;
+    for (uint32_t i = 0; i <= chain->piece_count; i++) {
+        struct gd__joint *joint = &chain->joints[i];
+        if (joint->kind != GD__JOINT_FIXED)
+            joint->at = fmin(fmax(state->kept_at[i] + part * state->move[i], joint->low), joint->high);
+    }
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        uint32_t unknowns = gd__piece_unknowns(chain, &chain->pieces[i]);
+        for (uint32_t k = 0; k < unknowns; k++) {
+            const struct gd_axis *axis = chain->surface->axis[k % 2];
+            double t = from[k] + part * move[k];
+            chain->pieces[i].points[k / 2][k % 2] = axis->closed ? t : fmin(fmax(t, axis->low), axis->high);
+        }
+        from += unknowns;
+        move += unknowns;
+    }
+    gd__chain_attach(chain);
+}
+
+static double length_of(const struct gd__chain *chain)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < chain->piece_count; i++) sum += sqrt(2 * gd__energy_value(chain, &chain->pieces[i]));
+    return sum;
+}
+
+/* The part of a way to a pole that a step may go: a curve that fell into the pole could slide along it for nothing. */
+static const double towards_pole = 0.8;
+
+/* By how much of what it may a coordinate moves. */
+static double excess(const struct gd_axis *axis, double t, double move)
+{
+    double part = 2 * fabs(move) / (axis->high - axis->low);
+    if (move < 0 && axis->pole_low && t > axis->low) part = fmax(part, -move / (towards_pole * (t - axis->low)));
+    if (move > 0 && axis->pole_high && t < axis->high) part = fmax(part, move / (towards_pole * (axis->high - t)));
+    return part;
+}
+
+/* The greatest part of a step that moves no control point by more than half of the domain, or into a pole. */
+static double longest(const struct state *state)
+{
+    const struct gd__chain *chain = state->chain;
+    const double *move = state->points_move;
+    double most = 0;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        for (uint32_t k = 0; k < gd__piece_unknowns(chain, &chain->pieces[i]); k++)
+            most = fmax(most, excess(chain->surface->axis[k % 2], chain->pieces[i].points[k / 2][k % 2], move[k]));
+        move += gd__piece_unknowns(chain, &chain->pieces[i]);
+    }
+    return most > 1 ? 1 / most : 1;
+}
+
+/* Armijo's rule. False: no part of the step goes down; the chain is as it was. */
+static bool search(struct state *state, double length, double slope)
+{
+    double part = longest(state);
+    bool blind = -slope <= GD_TOL_BLIND * length;
+    keep(state);
+    for (int i = 0; i < HALVINGS_MOST; i++, part *= 0.5) {
+        move_by(state, part);
+        if (blind || length_of(state->chain) <= length + armijo * part * slope) return true;
+    }
+    move_by(state, 0);
+    return false;
+}
+
+static void report_pull(const struct state *state, struct gd__newton_report *report)
+{
+    const struct gd__part *first = &state->parts[0], *last = &state->parts[state->chain->piece_count - 1];
+    uint32_t unknowns = gd__piece_unknowns(state->chain, &state->chain->pieces[state->chain->piece_count - 1]);
+    for (int k = 0; k < 2; k++) {
+        report->pull[0][k] = first->energy.gradient[k] / first->length;
+        report->pull[1][k] = last->energy.gradient[unknowns - 2 + (uint32_t)k] / last->length;
+    }
+}
+
+/* A step by Gauss-Newton's matrix, which is always downhill. */
+static bool fall_back(struct state *state, struct gd__newton_report *report, double *slope)
+{
+    report->positive = false;
+    expand(state, GD__HESSIAN_GAUSS);
+    return find_step(state, GD__HESSIAN_GAUSS, slope) && *slope <= 0;
+}
+
+/* One look at the chain: true while there is reason to go on. */
+static bool iterate(struct state *state, double stop, struct gd__newton_report *report)
+{
+    double slope, before = report->iterations ? report->decrement : INFINITY;
+    report->length = expand(state, GD__HESSIAN_NEWTON);
+    report->positive = find_step(state, GD__HESSIAN_NEWTON, &slope) && slope <= 0;
+    if (!report->positive && !fall_back(state, report, &slope)) return false;
+    report->contact = state->contact;
+    report->decrement = -slope / report->length;
+    report_pull(state, report);
+    bool blind = report->decrement <= GD_TOL_BLIND;
+    report->converged = report->decrement <= stop || (blind && report->decrement > 0.5 * before);
+    if (report->converged) return false;
+    if (search(state, report->length, slope)) return true;
+    return report->positive && fall_back(state, report, &slope) && search(state, report->length, slope);
+}
+
+enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limits *limits,
+                          const struct gd_control *control, struct gd__newton_report *out)
+{
+    struct state state;
+    enum gd_status status = state_make(chain, control, &state);
+    if (status) return status;
+    struct gd__newton_report report = {0};
+    gd__chain_attach(chain);
+    while (report.iterations < limits->most) {
+        status = gd_control_check(control, 0);
+        if (status || !iterate(&state, limits->stop, &report)) break;
+        report.iterations++;
+    }
+    state_free(&state);
+    if (!status) *out = report;
+    return status;
+}

@@ -1,0 +1,95 @@
+/* Between the parameters of a surface and the points of its tessellation. */
+#include "nurbs/tessellation.h"
+
+#include <math.h>
+
+void gd_tessellation_vertex(const struct gd_tessellation *tessellation, struct gd_vertex vertex, double uv[2])
+{
+    gd__node_parameters(&tessellation->grid, tessellation->node_of[vertex.index], uv);
+}
+
+/* A corner at a pole has no parameter along it: the other two's mean, by weight. */
+static void settle_poles(const struct gd_parametric *surface, const double weight[3], double uv[3][2])
+{
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < 3; i++) {
+            if (!gd__surface_pole(surface, k, uv[i][k])) continue;
+            int a = (i + 1) % 3, b = (i + 2) % 3;
+            double sum = weight[a] + weight[b], part = sum > 0 ? weight[b] / sum : 0.5;
+            uv[i][1 - k] = uv[a][1 - k] + part * (uv[b][1 - k] - uv[a][1 - k]);
+        }
+    }
+}
+
+void gd_tessellation_parameters(const struct gd_tessellation *tessellation, const struct gd_point *point, double uv[2])
+{
+    struct gd_point_description at;
+    gd_point_describe(tessellation->mesh, point, &at);
+    const uint32_t *nodes = tessellation->corners[at.face.index];
+    double corner[3][2];
+    for (int i = 0; i < 3; i++) gd__node_parameters(&tessellation->grid, nodes[i], corner[i]);
+    settle_poles(tessellation->surface, at.barycentric, corner);
+    for (int k = 0; k < 2; k++)
+        uv[k] = at.barycentric[0] * corner[0][k] + at.barycentric[1] * corner[1][k] + at.barycentric[2] * corner[2][k];
+}
+
+/* Weight of a node of the cell at (part u, part v) within the face, by the plane through the face's corners in parameters. */
+static void barycentric(const double corner[3][2], const double at[2], double weight[3])
+{
+    double ax = corner[1][0] - corner[0][0], ay = corner[1][1] - corner[0][1];
+    double bx = corner[2][0] - corner[0][0], by = corner[2][1] - corner[0][1];
+    double px = at[0] - corner[0][0], py = at[1] - corner[0][1], area = ax * by - ay * bx;
+    weight[1] = (px * by - py * bx) / area;
+    weight[2] = (ax * py - ay * px) / area;
+    weight[0] = 1 - weight[1] - weight[2];
+}
+
+/* The one triangle of a cell at a pole: all of the cell's width belongs to its apex. */
+static void barycentric_at_pole(const struct gd_parametric *surface, const double corner[3][2], const double at[2],
+                                double weight[3])
+{
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < 3; i++) {
+            if (!gd__surface_pole(surface, k, corner[i][k])) continue;
+            int a = (i + 1) % 3, b = (i + 2) % 3;
+            double from_pole = (at[k] - corner[i][k]) / (corner[a][k] - corner[i][k]);
+            double along = (at[1 - k] - corner[a][1 - k]) / (corner[b][1 - k] - corner[a][1 - k]);
+            weight[i] = 1 - from_pole;
+            weight[a] = from_pole * (1 - along);
+            weight[b] = from_pole * along;
+        }
+    }
+}
+
+static double least(const double weight[3])
+{
+    return fmin(weight[0], fmin(weight[1], weight[2]));
+}
+
+enum gd_status gd_tessellation_point(const struct gd_tessellation *tessellation, double u, double v,
+                                     struct gd_point *out, struct gd_detail *detail)
+{
+    const struct gd_parametric *surface = tessellation->surface;
+    if (!gd_parametric_contains(surface, u, v))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "(%.17g, %.17g) lies outside the surface's domain", u, v);
+    double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)}, part;
+    uint32_t i = gd__grid_step(&tessellation->grid, 0, at[0], &part);
+    uint32_t j = gd__grid_step(&tessellation->grid, 1, at[1], &part);
+    uint32_t cell = i * tessellation->grid.steps[1] + j, first = tessellation->first_face[cell], best = first;
+    uint32_t faces = tessellation->first_face[cell + 1] - first;
+    double weights[2][3];
+    for (uint32_t f = 0; f < faces; f++) {
+        double corner[3][2];
+        for (int k = 0; k < 3; k++)
+            gd__node_parameters(&tessellation->grid, tessellation->corners[first + f][k], corner[k]);
+        if (faces == 2)
+            barycentric((const double(*)[2])corner, at, weights[f]);
+        else
+            barycentric_at_pole(surface, (const double(*)[2])corner, at, weights[f]);
+        if (f && least(weights[1]) > least(weights[0])) best = first + 1;
+    }
+    double *weight = weights[best - first], sum = 0;
+    for (int k = 0; k < 3; k++) sum += weight[k] = fmax(weight[k], 0);
+    for (int k = 0; k < 3; k++) weight[k] /= sum;
+    return gd_point_in_face(tessellation->mesh, (struct gd_face){best}, weight, out, detail);
+}

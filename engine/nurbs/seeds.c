@@ -1,0 +1,357 @@
+#include "nurbs/seeds.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/field.h"
+#include "nurbs/tessellation.h"
+
+enum {
+    PLACES_LEAST = 96,
+    PLACES_MOST = 2048,
+    SEEDS_MOST = 64,
+    SEEDS_FEW = 12
+}; /* SEEDS_FEW where only the shortest way is wanted */
+
+static const double same =
+    0.02; /* seeds whose lengths, ends and middles agree to this part of the length lead to one way */
+static const double margin =
+    1.08; /* ways longer than the shortest by more on the mesh are not the shortest on the surface */
+
+/* One curve on the mesh, and the distance from it. */
+struct side {
+    const struct gd_domain_curve *curve;
+    uint32_t count;
+    double *s;             /* parameters of the places that stand for it */
+    struct gd_seed *seeds; /* those places on the mesh */
+    struct gd_field *field;
+    double *distance; /* at the vertices */
+};
+
+struct search {
+    const struct gd_tessellation *tessellation;
+    struct side side[2];
+    struct gd__seeds seeds;
+    bool all;
+};
+
+void gd__seeds_free(struct gd__seeds *seeds)
+{
+    for (uint32_t i = 0; i < seeds->count; i++) gd__trail_free(&seeds->seed[i].trail);
+    free(seeds->seed);
+    *seeds = (struct gd__seeds){0};
+}
+
+/* --- the curves as sources --------------------------------------------------------------------------------------------- */
+
+static enum gd_status place_side(const struct gd_tessellation *t, struct side *side, struct gd_detail *detail)
+{
+    const struct gd_domain_curve *curve = side->curve;
+    uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1;
+    uint32_t each = intervals ? (PLACES_LEAST + intervals - 1) / intervals : 0;
+    if (intervals && each < 2) each = 2;
+    if (each * intervals > PLACES_MOST) each = PLACES_MOST / intervals + 1;
+    side->s = malloc((each * intervals + 1) * sizeof *side->s);
+    side->seeds = calloc(each * intervals + 1, sizeof *side->seeds);
+    if (!side->s || !side->seeds) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    for (uint32_t i = 0; i < intervals; i++)
+        for (uint32_t k = 0; k < each; k++)
+            side->s[side->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
+    if (!curve->closed || curve->is_point) side->s[side->count++] = curve->is_point ? 0 : curve->high;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < side->count && !status; i++) {
+        double uv[2];
+        gd_domain_curve_at(curve, side->s[i], uv);
+        status = gd_tessellation_point(t, uv[0], uv[1], &side->seeds[i].point, detail);
+    }
+    return status;
+}
+
+static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side, const struct gd_control *control,
+                                   struct gd_detail *detail)
+{
+    enum gd_status status = place_side(t, side, detail);
+    if (status) return status;
+    struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
+    status = gd_field_build(t->mesh, &request, control, NULL, &side->field, detail);
+    if (status) return status;
+    side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
+    if (!side->distance) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    gd_field_vertex_distances(side->field, side->distance);
+    return GD_OK;
+}
+
+static void side_free(struct side *side)
+{
+    free(side->s);
+    free(side->seeds);
+    free(side->distance);
+    gd_field_release(side->field);
+}
+
+/* --- trails ------------------------------------------------------------------------------------------------------------ */
+
+/* The copy of a place nearest to another in closed directions. A pole has no place along itself: it takes the other's. */
+static void unwind(const struct gd_parametric *surface, const double before[2], double at[2])
+{
+    for (int k = 0; k < 2; k++) {
+        double period = gd__axis_period(surface->axis[k]);
+        if (period > 0) at[k] -= round((at[k] - before[k]) / period) * period;
+    }
+    for (int k = 0; k < 2; k++)
+        if (gd__surface_pole(surface, k, at[k])) at[1 - k] = before[1 - k];
+}
+
+static enum gd_status add_place(const struct gd_parametric *surface, struct gd__trail *trail, double at[2])
+{
+    if (trail->count) unwind(surface, trail->at[trail->count - 1], at);
+    return gd__trail_add(trail, at);
+}
+
+static enum gd_status add_path(const struct gd_tessellation *t, const struct gd_path *path, bool backwards,
+                               struct gd__trail *trail)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < path->count && !status; i++) {
+        double at[2];
+        gd_tessellation_parameters(t, &path->points[backwards ? path->count - 1 - i : i], at);
+        status = add_place(t->surface, trail, at);
+    }
+    return status;
+}
+
+/* Parameter of the place of a side nearest to a point of the mesh, and the path to it. */
+static enum gd_status reach(const struct side *side, const struct gd_point *point, double *s, struct gd_path *path)
+{
+    double distance;
+    uint32_t number;
+    enum gd_status status = gd_field_nearest(side->field, point, &distance, &number);
+    if (status) return status;
+    *s = side->s[number];
+    return gd_field_path(side->field, point, path);
+}
+
+/* The trail's two ends, which come from the mesh, exactly on the curves. */
+static enum gd_status set_ends(const struct search *search, struct gd__seed *seed)
+{
+    const struct gd_parametric *surface = search->tessellation->surface;
+    struct gd__trail *trail = &seed->trail;
+    double at[2];
+    if (trail->count < 2) {
+        enum gd_status status = gd__trail_add(trail, trail->at[0]);
+        if (status) return status;
+    }
+    gd_domain_curve_at(search->side[0].curve, seed->s[0], at);
+    unwind(surface, trail->at[1], at);
+    memcpy(trail->at[0], at, sizeof at);
+    gd_domain_curve_at(search->side[1].curve, seed->s[1], at);
+    unwind(surface, trail->at[trail->count - 2], at);
+    memcpy(trail->at[trail->count - 1], at, sizeof at);
+    for (int k = 0; k < 2; k++) /* a path that begins in a pole leaves it along its own line */
+        if (gd__surface_pole(surface, k, trail->at[0][k])) trail->at[0][1 - k] = trail->at[1][1 - k];
+    gd__trail_measure(surface, trail);
+    return GD_OK;
+}
+
+static enum gd_status keep(struct search *search, const struct gd__seed *seed)
+{
+    struct gd__seeds *seeds = &search->seeds;
+    if (seeds->count == seeds->capacity) {
+        uint32_t capacity = seeds->capacity ? 2 * seeds->capacity : 8;
+        struct gd__seed *grown = realloc(seeds->seed, capacity * sizeof *grown);
+        if (!grown) return GD_NO_MEMORY;
+        seeds->seed = grown;
+        seeds->capacity = capacity;
+    }
+    seeds->seed[seeds->count++] = *seed;
+    return GD_OK;
+}
+
+/* The way through a point of the mesh, shortest on both sides of it. */
+static enum gd_status add_seed(struct search *search, const struct gd_point *point)
+{
+    struct gd__seed seed = {0};
+    struct gd_path path[2] = {{0}};
+    enum gd_status status = GD_OK;
+    for (int k = 0; k < 2 && !status; k++) status = reach(&search->side[k], point, &seed.s[k], &path[k]);
+    if (!status) status = add_path(search->tessellation, &path[0], true, &seed.trail);
+    if (!status) status = add_path(search->tessellation, &path[1], false, &seed.trail);
+    if (!status) status = set_ends(search, &seed);
+    seed.length = path[0].length + path[1].length;
+    gd_path_free(&path[0]);
+    gd_path_free(&path[1]);
+    if (!status) status = keep(search, &seed);
+    if (status) gd__trail_free(&seed.trail);
+    return status;
+}
+
+/* --- local minima -------------------------------------------------------------------------------------------------------- */
+
+/* Where d1 = d2 on an edge of the mesh. */
+struct crossing {
+    uint32_t a, b; /* vertices, a < b */
+    double part;   /* from a */
+    double sum;    /* d1 + d2 there, by linear interpolation */
+    double least;  /* of the crossings next to it, through its faces */
+};
+
+static bool cross(const struct search *search, uint32_t a, uint32_t b, struct crossing *out)
+{
+    if (a > b) {
+        uint32_t swap = a;
+        a = b;
+        b = swap;
+    }
+    const double *d1 = search->side[0].distance, *d2 = search->side[1].distance;
+    double at_a = d1[a] - d2[a], at_b = d1[b] - d2[b];
+    if ((at_a < 0) == (at_b < 0) || !isfinite(at_a) || !isfinite(at_b)) return false;
+    double part = at_a / (at_a - at_b);
+    *out = (struct crossing){a, b, part, (1 - part) * (d1[a] + d2[a]) + part * (d1[b] + d2[b]), INFINITY};
+    return true;
+}
+
+static int by_edge(const void *x, const void *y)
+{
+    const struct crossing *p = x, *q = y;
+    if (p->a != q->a) return p->a < q->a ? -1 : 1;
+    return p->b < q->b ? -1 : p->b > q->b;
+}
+
+/* Each crossing once for each face at it, with the other crossing of that face. */
+static uint32_t list_crossings(const struct search *search, struct crossing *out)
+{
+    const struct gd_polygons *polygons = &search->tessellation->polygons;
+    uint32_t count = 0;
+    for (uint32_t face = 0; face < polygons->polygon_count; face++) {
+        const uint32_t *corner = polygons->corners + 3 * (size_t)face;
+        struct crossing found[3];
+        int in_face = 0;
+        for (int k = 0; k < 3; k++) in_face += cross(search, corner[k], corner[(k + 1) % 3], &found[in_face]);
+        if (in_face != 2) continue;
+        found[0].least = found[1].sum;
+        found[1].least = found[0].sum;
+        out[count++] = found[0];
+        out[count++] = found[1];
+    }
+    return count;
+}
+
+static enum gd_status add_crossing(struct search *search, const struct crossing *crossing, struct gd_detail *detail)
+{
+    struct gd_point point;
+    enum gd_status status = gd_point_on_edge(search->tessellation->mesh, (struct gd_vertex){crossing->a},
+                                             (struct gd_vertex){crossing->b}, crossing->part, &point, detail);
+    return status ? status : add_seed(search, &point);
+}
+
+static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
+{
+    struct crossing *list = malloc((2 * (size_t)search->tessellation->polygons.polygon_count + 1) * sizeof *list);
+    if (!list) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    uint32_t count = list_crossings(search, list);
+    qsort(list, count, sizeof *list, by_edge);
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count && !status; i++) {
+        bool twice = i + 1 < count && by_edge(&list[i], &list[i + 1]) == 0;
+        double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least, sum = list[i].sum;
+        if (sum <= least && (search->all || sum <= margin * shortest) && search->seeds.count < SEEDS_MOST)
+            status = add_crossing(search, &list[i], detail);
+        i += twice;
+    }
+    free(list);
+    return status;
+}
+
+/* Local minima of the other side's distance along a curve: the ends of ways. `*shortest`: the least. */
+static enum gd_status find_ends(const struct search *search, int k, double *distance, double *shortest)
+{
+    const struct side *side = &search->side[k];
+    enum gd_status status = GD_OK;
+    *shortest = INFINITY;
+    for (uint32_t i = 0; i < side->count && !status; i++) {
+        status = gd_field_distance(search->side[1 - k].field, &side->seeds[i].point, &distance[i]);
+        if (!status) *shortest = fmin(*shortest, distance[i]);
+    }
+    return status;
+}
+
+static enum gd_status add_ends(struct search *search, int k, double *shortest)
+{
+    const struct side *side = &search->side[k];
+    double *distance = malloc(side->count * sizeof *distance);
+    if (!distance) return GD_NO_MEMORY;
+    enum gd_status status = find_ends(search, k, distance, shortest);
+    uint32_t n = side->count;
+    bool around = side->curve->closed;
+    for (uint32_t i = 0; i < n && !status; i++) {
+        if (i ? distance[i - 1] < distance[i] : around && distance[n - 1] < distance[i]) continue;
+        if (i + 1 < n ? distance[i + 1] <= distance[i] : around && n > 1 && distance[0] <= distance[i]) continue;
+        if ((search->all || distance[i] <= margin * *shortest) && search->seeds.count < SEEDS_MOST)
+            status = add_seed(search, &side->seeds[i].point);
+    }
+    free(distance);
+    return status;
+}
+
+static int by_length(const void *x, const void *y)
+{
+    const struct gd__seed *p = x, *q = y;
+    return p->length < q->length ? -1 : p->length > q->length;
+}
+
+static struct gd_vec3 trail_position(const struct gd_parametric *surface, const struct gd__trail *trail, double part)
+{
+    double at[2];
+    gd__trail_place(trail, gd__trail_position(trail, part * trail->run[trail->count - 1], 0), at);
+    return gd__surface_position(surface, at);
+}
+
+static bool is_same(const struct gd_parametric *surface, const struct gd__seed *a, const struct gd__seed *b)
+{
+    if (fabs(a->length - b->length) > same * a->length) return false;
+    for (int i = 0; i <= 4; i++)
+        if (gd_vec3_distance(trail_position(surface, &a->trail, 0.25 * i),
+                             trail_position(surface, &b->trail, 0.25 * i)) > same * a->length)
+            return false;
+    return true;
+}
+
+/* Sorts by length; of those that are the same way the shortest stays, and of all only the first `most`. */
+static void sift(const struct gd_parametric *surface, uint32_t most, struct gd__seeds *seeds)
+{
+    qsort(seeds->seed, seeds->count, sizeof *seeds->seed, by_length);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < seeds->count; i++) {
+        struct gd__seed seed = seeds->seed[i];
+        bool wanted = kept < most;
+        for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_same(surface, &seeds->seed[k], &seed);
+        if (wanted)
+            seeds->seed[kept++] = seed;
+        else
+            gd__trail_free(&seed.trail);
+    }
+    seeds->count = kept;
+}
+
+enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation, const struct gd_domain_curve *from,
+                              const struct gd_domain_curve *to, bool all, const struct gd_control *control,
+                              struct gd__seeds *out, struct gd_detail *detail)
+{
+    struct search search = {.tessellation = tessellation, .side = {{.curve = from}, {.curve = to}}, .all = all};
+    enum gd_status status = GD_OK;
+    double shortest = INFINITY;
+    for (int k = 0; k < 2 && !status; k++) status = measure_side(tessellation, &search.side[k], control, detail);
+    for (int k = 1; k >= 0 && !status; k--) status = add_ends(&search, k, &shortest);
+    if (!status) status = add_middles(&search, shortest, detail);
+    if (!status && !search.seeds.count) status = gd_fail(detail, GD_INTERNAL, "no way was found on the tessellation");
+    side_free(&search.side[0]);
+    side_free(&search.side[1]);
+    if (status) {
+        gd__seeds_free(&search.seeds);
+        return status;
+    }
+    sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.seeds);
+    *out = search.seeds;
+    return GD_OK;
+}

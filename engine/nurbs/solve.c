@@ -1,0 +1,343 @@
+#include "nurbs/solve.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "nurbs/energy.h"
+
+enum {
+    COARSE_SPANS = 14,
+    FIRST_SPANS = 10,  /* of the first curve in pieces */
+    CUT_MOST = 12,     /* times that a curve is cut anew, and */
+    CORNERS_MOST = 2,  /* in a row because it is stuck in a corner of cells */
+    STEPS_MOST = 1200, /* of Newton's method in all */
+    PATIENCE = 12,     /* refinements after which a curve must not be bent any more */
+    REFINE_MOST = 48,
+    SPANS_MOST = 4096
+};
+
+static const struct gd__newton_limits exact = {60, GD_TOL_STATIONARY};
+static const struct gd__newton_limits coarse = {12, 1e-7}; /* across lines the Hessian jumps: no use in going on */
+
+static const double stuck =
+    1e-4; /* part of the length: a piece this short that will not converge hides a corner of cells */
+static const double wide_corner = 3e-2; /* then corners this near, in cells, are passed straight */
+static const double shortest_end =
+    2e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
+static const double most_bend =
+    100; /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
+static const double fallen = 1e-6; /* of the domain's width: nearer to a pole a path goes through it */
+static const double worth = 0.02;  /* a span is halved if its error is this part of the greatest */
+
+static enum gd_status newton(const struct gd__task *task, struct gd__newton_limits limits,
+                             struct gd__solution *solution)
+{
+    enum gd_status status = gd__newton(solution->chain, &limits, task->control, &solution->report);
+    if (!status) solution->iterations += solution->report.iterations;
+    return status;
+}
+
+/* Where all control points of a span lie on one border, the path follows the border and its bend is no error. */
+static bool follows_border(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+{
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = chain->surface->axis[k];
+        double first = piece->points[span][k];
+        if (axis->closed || (first > axis->low && first < axis->high)) continue;
+        uint32_t i = 1;
+        while (i <= chain->degree && piece->points[span + i][k] == first) i++;
+        if (i > chain->degree) return true;
+    }
+    return false;
+}
+
+/* What halving a span may save: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h / pi)^2 / 2 int kappa^2. */
+static double span_error(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+{
+    double bend, length;
+    if (follows_border(chain, piece, span)) return 0;
+    gd__energy_bend(chain, piece, span, &bend, &length);
+    return bend * length * length / (2 * M_PI * M_PI);
+}
+
+static double chain_error(const struct gd__chain *chain)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        for (uint32_t span = 0; span < chain->pieces[i].spans; span++)
+            sum += span_error(chain, &chain->pieces[i], span);
+    return sum;
+}
+
+enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__trail *trail,
+                                const struct gd__joint *from, const struct gd__joint *to, struct gd__solution *out)
+{
+    uint32_t spans = task->control_points ? task->control_points - task->degree : COARSE_SPANS;
+    struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
+    struct gd__solution solution = {0};
+    enum gd_status status = gd__trail_fit(task->surface, trail, &fit, task->control, &solution.chain);
+    if (!status) status = newton(task, task->control_points ? exact : coarse, &solution);
+    if (status) {
+        free(solution.chain);
+        return status;
+    }
+    solution.converged = solution.report.converged;
+    solution.error = chain_error(solution.chain);
+    *out = solution;
+    return GD_OK;
+}
+
+/* --- ends on curves -------------------------------------------------------------------------------------------------- */
+
+/* From all of the curve to the interval of it that the end lies in. */
+static void settle_joint(struct gd__joint *joint)
+{
+    if (joint->kind != GD__JOINT_CURVE || !joint->whole) return;
+    const struct gd_domain_curve *curve = joint->curve;
+    double turns;
+    joint->at = gd__curve_reduce(curve, joint->at, &turns);
+    for (int k = 0; k < 2; k++) joint->place[k] += turns * curve->winding[k];
+    joint->interval = gd__curve_interval(curve, joint->at);
+    joint->low = curve->breaks[joint->interval];
+    joint->high = curve->breaks[joint->interval + 1];
+    joint->whole = false;
+}
+
+/* The joint moved to the interval before or after its own. False: there is none. */
+static bool neighbour(const struct gd__joint *joint, int step, struct gd__joint *out)
+{
+    const struct gd_domain_curve *curve = joint->curve;
+    uint32_t last = curve->break_count - 2;
+    *out = *joint;
+    bool around = step > 0 ? joint->interval == last : joint->interval == 0;
+    if (around && !curve->closed) return false;
+    out->interval = around ? (step > 0 ? 0 : last) : joint->interval + (uint32_t)step;
+    for (int k = 0; k < 2 && around; k++) out->place[k] += step * curve->winding[k];
+    out->low = curve->breaks[out->interval];
+    out->high = curve->breaks[out->interval + 1];
+    out->at = step > 0 ? out->low : out->high;
+    return true;
+}
+
+static double slope_of(const struct gd__joint *joint, const double pull[2])
+{
+    struct gd__curve_jet jet;
+    gd__joint_jet(joint, joint->at, &jet);
+    return pull[0] * jet.first[0] + pull[1] * jet.first[1];
+}
+
+/* An end that is held at the end of its interval goes over to the next one if the way leads on there. True: it did. */
+static bool slide(struct gd__joint *joint, const double pull[2], bool *held)
+{
+    *held = false;
+    if (joint->kind != GD__JOINT_CURVE || joint->whole) return false;
+    double slope = slope_of(joint, pull);
+    int step = joint->at >= joint->high && slope < 0 ? 1 : joint->at <= joint->low && slope > 0 ? -1 : 0;
+    struct gd__joint next;
+    if (!step) return false;
+    *held = true;
+    if (!neighbour(joint, step, &next) || step * slope_of(&next, pull) >= 0) return false;
+    *joint = next;
+    return true;
+}
+
+static bool slide_ends(struct gd__solution *solution)
+{
+    struct gd__joint *joints = solution->chain->joints;
+    bool held[2];
+    bool moved = slide(&joints[0], solution->report.pull[0], &held[0]);
+    moved = slide(&joints[solution->chain->piece_count], solution->report.pull[1], &held[1]) || moved;
+    solution->corner = held[0] || held[1];
+    return moved;
+}
+
+/* --- cutting at lines -------------------------------------------------------------------------------------------------- */
+
+/* The same curve cut anew. */
+static enum gd_status cut(const struct gd__task *task, struct gd__solution *solution, double corner, uint32_t spans)
+{
+    struct gd__chain *old = solution->chain, *chain;
+    struct gd__fit fit = {task->degree, spans, old->joints[0], old->joints[old->piece_count], false, corner};
+    settle_joint(&fit.from);
+    settle_joint(&fit.to);
+    struct gd__trail trail;
+    enum gd_status status = gd__trail_of_chain(old, &trail);
+    if (status) return status;
+    status = gd__trail_fit(task->surface, &trail, &fit, task->control, &chain);
+    gd__trail_free(&trail);
+    if (status) return status;
+    free(old);
+    solution->chain = chain;
+    return GD_OK;
+}
+
+static bool has_short_piece(const struct gd__solution *solution)
+{
+    const struct gd__chain *chain = solution->chain;
+    for (uint32_t i = 0; i < chain->piece_count; i++)
+        if (sqrt(2 * gd__energy_value(chain, &chain->pieces[i])) < stuck * solution->report.length) return true;
+    return false;
+}
+
+/* Newton's method on the pieces, which are cut anew as long as the curve leaves their cells. */
+static enum gd_status settle(const struct gd__task *task, struct gd__solution *solution, bool begin, uint32_t spans,
+                             bool *settled)
+{
+    double corner = GD_TOL_CELL;
+    enum gd_status status = GD_OK;
+    int corners = 0;
+    *settled = false;
+    for (int i = 0; i < CUT_MOST && !status && solution->iterations < STEPS_MOST; i++) {
+        if (begin || i) status = cut(task, solution, corner, spans);
+        if (!status) status = newton(task, exact, solution);
+        if (status) break;
+        corner = GD_TOL_CELL;
+        if (slide_ends(solution)) continue;
+        if (!solution->report.converged && corners++ < CORNERS_MOST && has_short_piece(solution)) {
+            corner = wide_corner;
+            continue;
+        }
+        *settled = gd__chain_is_proper(solution->chain);
+        if (*settled) break;
+    }
+    return status;
+}
+
+/* --- refinement ---------------------------------------------------------------------------------------------------------- */
+
+/* Cosine of the angle between the path and the curve that it ends on: by Newton's method the angle is right but for the spline's own error. */
+static double end_defect(const struct gd__solution *solution, int side)
+{
+    const struct gd__chain *chain = solution->chain;
+    const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
+    if (joint->kind != GD__JOINT_CURVE || joint->at <= joint->low || joint->at >= joint->high) return 0;
+    struct gd__curve_jet c;
+    struct gd_jet x;
+    gd__joint_jet(joint, joint->at, &c);
+    struct gd_vec3 path = gd__chain_velocity(chain, side, &x), curve = gd__velocity(&x, c.first);
+    return fabs(gd_vec3_dot(path, curve)) / (gd_vec3_length(path) * gd_vec3_length(curve));
+}
+
+/* The part of its piece that the span at an end takes. */
+static double end_share(const struct gd__chain *chain, int side)
+{
+    const struct gd__piece *piece = &chain->pieces[side ? chain->piece_count - 1 : 0];
+    return side ? 1 - piece->knots[chain->degree + piece->spans - 1] : piece->knots[chain->degree + 1];
+}
+
+/* Marks the spans that are worth halving; returns the sum of all errors. */
+static double mark(const struct gd__task *task, const struct gd__solution *solution, double *errors, bool *marked)
+{
+    const struct gd__chain *chain = solution->chain;
+    uint32_t spans = gd__chain_spans(chain), filled = 0;
+    double sum = 0, most = 0, allowed = task->tolerance * solution->report.length / (4 * spans);
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        for (uint32_t span = 0; span < chain->pieces[i].spans; span++) {
+            double error = span_error(chain, &chain->pieces[i], span);
+            errors[filled++] = error;
+            sum += error;
+            most = fmax(most, error);
+        }
+    }
+    for (uint32_t i = 0; i < spans; i++) marked[i] = errors[i] > allowed && errors[i] > worth * most;
+    return sum;
+}
+
+static bool mark_ends(const struct gd__solution *solution, bool *marked)
+{
+    uint32_t spans = gd__chain_spans(solution->chain);
+    bool low = end_defect(solution, 0) > GD_TOL_END && end_share(solution->chain, 0) > shortest_end;
+    bool high = end_defect(solution, 1) > GD_TOL_END && end_share(solution->chain, 1) > shortest_end;
+    marked[0] = marked[0] || low;
+    marked[spans - 1] = marked[spans - 1] || high;
+    return low || high;
+}
+
+/* One halving and the settling after it. `*done`: the tolerance is met. */
+static enum gd_status refine(const struct gd__task *task, struct gd__solution *solution, bool *done)
+{
+    uint32_t spans = gd__chain_spans(solution->chain);
+    double *errors = malloc(spans * sizeof *errors);
+    bool *marked = malloc(spans * sizeof *marked);
+    struct gd__chain *finer = NULL;
+    enum gd_status status = errors && marked ? GD_OK : GD_NO_MEMORY;
+    double before = solution->report.length;
+    if (!status) {
+        double sum = mark(task, solution, errors, marked);
+        bool ends = mark_ends(solution, marked);
+        *done = solution->converged && !ends && sum <= task->tolerance * before;
+        if (*done) solution->error = fmax(solution->error, sum);
+        if (!*done) {
+            finer = gd__chain_refine(solution->chain, marked);
+            if (!finer) status = GD_NO_MEMORY;
+        }
+    }
+    free(errors);
+    free(marked);
+    if (!finer) return status;
+    free(solution->chain);
+    solution->chain = finer;
+    bool settled;
+    status = settle(task, solution, false, 2 * spans, &settled);
+    double change = fabs(solution->report.length - before);
+    solution->error = change;
+    solution->converged = settled && solution->report.converged && change <= task->tolerance * before;
+    return status;
+}
+
+/* A control point on its way into a pole. */
+static bool is_falling(const struct gd_axis *axis, double t)
+{
+    double near = fallen * (axis->high - axis->low);
+    return (axis->pole_low && t - axis->low < near) || (axis->pole_high && axis->high - t < near);
+}
+
+/* There is no geodesic on this side of the pole: the curve shrinks into it. Only ends may lie in a pole, and what is next to them near it. */
+static bool has_fallen(const struct gd__chain *chain)
+{
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = chain->surface->axis[k];
+        bool at_end = false, inside = false;
+        for (uint32_t i = 0; i <= chain->piece_count; i++) {
+            struct gd__curve_jet jet;
+            gd__joint_jet(&chain->joints[i], chain->joints[i].at, &jet);
+            bool end = i == 0 || i == chain->piece_count;
+            if (is_falling(axis, jet.at[k])) *(end ? &at_end : &inside) = true;
+        }
+        for (uint32_t i = 0; i < chain->piece_count; i++)
+            for (uint32_t n = 1; n + 1 < gd__piece_points(chain, &chain->pieces[i]); n++)
+                inside = inside || is_falling(axis, chain->pieces[i].points[n][k]);
+        if (inside && !at_end) return true;
+    }
+    return false;
+}
+
+bool gd__solution_is_bent(const struct gd__solution *solution)
+{
+    const struct gd__chain *chain = solution->chain;
+    double sum = 0;
+    if (has_fallen(chain)) return true;
+    if (solution->report.contact) return false;
+    for (uint32_t i = 0; i < chain->piece_count; i++) {
+        for (uint32_t span = 0; span < chain->pieces[i].spans; span++) {
+            double bend, length;
+            gd__energy_bend(chain, &chain->pieces[i], span, &bend, &length);
+            sum += bend;
+        }
+    }
+    return sum * solution->report.length > most_bend;
+}
+
+enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *solution)
+{
+    bool settled, done = false;
+    solution->converged = false;
+    enum gd_status status = settle(task, solution, true, FIRST_SPANS, &settled);
+    for (int i = 0; i < REFINE_MOST && !status && !done; i++) {
+        status = refine(task, solution, &done);
+        if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST) break;
+        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(solution))) break;
+    }
+    return status;
+}

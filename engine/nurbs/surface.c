@@ -1,0 +1,255 @@
+#include "nurbs/surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+
+enum { PROBES = 17 }; /* places in each direction at which a new surface is looked at */
+
+int32_t gd__axis_cell(const struct gd_axis *axis, double t)
+{
+    double period = gd__axis_period(axis), turns = 0;
+    if (axis->closed && !axis->seam) return 0;
+    if (axis->closed) turns = floor((t - axis->low) / period);
+    double inside = t - turns * period;
+    int32_t low = 0, high = gd__axis_cells(axis);
+    while (high - low > 1) {
+        int32_t middle = low + (high - low) / 2;
+        if (inside < axis->lines[middle - 1])
+            high = middle;
+        else
+            low = middle;
+    }
+    return low + (int32_t)turns * gd__axis_cells(axis);
+}
+
+/* Number within the period, and the period's number. */
+static int32_t reduce(const struct gd_axis *axis, int32_t index, int32_t *turns)
+{
+    int32_t count = gd__axis_cells(axis), within = index % count;
+    if (within < 0) within += count;
+    *turns = (index - within) / count;
+    return within;
+}
+
+double gd__axis_line(const struct gd_axis *axis, int32_t index, bool *is_line)
+{
+    *is_line = false;
+    if (axis->closed) {
+        if (!axis->seam) return index > 0 ? INFINITY : -INFINITY;
+        int32_t turns, within = reduce(axis, index, &turns);
+        *is_line = true;
+        return (within ? axis->lines[within - 1] : axis->low) + turns * gd__axis_period(axis);
+    }
+    if (index <= 0) return axis->low;
+    if (index > (int32_t)axis->line_count) return axis->high;
+    *is_line = true;
+    return axis->lines[index - 1];
+}
+
+double gd__axis_wrap(const struct gd_axis *axis, double t)
+{
+    if (!axis->closed) return t;
+    double period = gd__axis_period(axis), wrapped = t - floor((t - axis->low) / period) * period;
+    return wrapped < axis->high ? wrapped : axis->low;
+}
+
+struct gd__cell gd__surface_cell(const struct gd_parametric *surface, double u, double v)
+{
+    return (struct gd__cell){{gd__axis_cell(surface->axis[0], u), gd__axis_cell(surface->axis[1], v)}};
+}
+
+void gd__surface_jet(const struct gd_parametric *surface, struct gd__cell cell, const double at[2], struct gd_jet *out)
+{
+    uint32_t within[2];
+    double place[2];
+    for (int k = 0; k < 2; k++) {
+        int32_t turns;
+        within[k] = (uint32_t)reduce(surface->axis[k], cell.index[k], &turns);
+        place[k] = at[k] - turns * gd__axis_period(surface->axis[k]);
+    }
+    surface->evaluator.jet(surface->evaluator.shape, within[0], within[1], place[0], place[1], out);
+}
+
+void gd__surface_at(const struct gd_parametric *surface, const double at[2], struct gd_jet *out)
+{
+    gd__surface_jet(surface, gd__surface_cell(surface, at[0], at[1]), at, out);
+}
+
+struct gd_vec3 gd__surface_position(const struct gd_parametric *surface, const double at[2])
+{
+    struct gd_jet jet;
+    gd__surface_at(surface, at, &jet);
+    return jet.x;
+}
+
+bool gd__surface_pole(const struct gd_parametric *surface, int axis, double t)
+{
+    const struct gd_axis *a = surface->axis[axis];
+    double near = GD_TOL_ON_BORDER * (a->high - a->low);
+    return (a->pole_low && t <= a->low + near) || (a->pole_high && t >= a->high - near);
+}
+
+/* --- making one --------------------------------------------------------------------------------------------------- */
+
+static enum gd_status check_axis(const struct gd_axis *axis, const char *name, struct gd_detail *detail)
+{
+    if (!(isfinite(axis->low) && isfinite(axis->high) && axis->low < axis->high))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the domain in %s is no interval: it must begin below its end, both finite", name);
+    for (uint32_t i = 0; i < axis->line_count; i++) {
+        double below = i ? axis->lines[i - 1] : axis->low;
+        if (!(axis->lines[i] > below && axis->lines[i] < axis->high))
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "the lines in %s do not increase within the domain", name);
+    }
+    if (axis->closed && axis->line_count && !axis->seam)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a closed direction with lines has a seam too, in %s", name);
+    return GD_OK;
+}
+
+static double probe(const struct gd_axis *axis, int i)
+{
+    return i == PROBES - 1 ? axis->high : axis->low + (axis->high - axis->low) * i / (PROBES - 1);
+}
+
+static enum gd_status measure(struct gd_parametric *surface, struct gd_detail *detail)
+{
+    struct gd_vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < PROBES * PROBES; i++) {
+        double at[2] = {probe(surface->axis[0], i / PROBES), probe(surface->axis[1], i % PROBES)};
+        struct gd_vec3 x = gd__surface_position(surface, at);
+        if (!(fabs(x.x) < GD_EXTENT_MAX && fabs(x.y) < GD_EXTENT_MAX && fabs(x.z) < GD_EXTENT_MAX))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "the surface has no finite position of sense at u = %.17g, v = %.17g", at[0], at[1]);
+        min = (struct gd_vec3){fmin(min.x, x.x), fmin(min.y, x.y), fmin(min.z, x.z)};
+        max = (struct gd_vec3){fmax(max.x, x.x), fmax(max.y, x.y), fmax(max.z, x.z)};
+    }
+    surface->size = gd_vec3_distance(min, max);
+    surface->farthest = fmax(gd_vec3_length(min), gd_vec3_length(max));
+    if (surface->size > 1 / GD_EXTENT_MAX) return GD_OK;
+    return gd_fail(detail, GD_INVALID_ARGUMENT, "the surface is a point");
+}
+
+/* The greatest distance between two borders of direction k, or of a border from its first point. */
+static double border_gap(const struct gd_parametric *surface, int k, double a, double b, bool from_first)
+{
+    double gap = 0;
+    for (int i = 0; i < PROBES; i++) {
+        double p[2], q[2];
+        p[k] = a, q[k] = b;
+        p[1 - k] = probe(surface->axis[1 - k], i);
+        q[1 - k] = from_first ? surface->axis[1 - k]->low : p[1 - k];
+        gap = fmax(gap, gd_vec3_distance(gd__surface_position(surface, p), gd__surface_position(surface, q)));
+    }
+    return gap;
+}
+
+static enum gd_status check_borders(const struct gd_parametric *surface, int k, struct gd_detail *detail)
+{
+    const struct gd_axis *a = surface->axis[k];
+    double near = 2 * GD_TOL_CLOSED * surface->size + GD_TOL_LOCATE * surface->farthest;
+    if (a->closed && border_gap(surface, k, a->low, a->high, false) > near)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is called closed, but its borders differ", "uv"[k]);
+    if ((a->pole_low && border_gap(surface, k, a->low, a->low, true) > near) ||
+        (a->pole_high && border_gap(surface, k, a->high, a->high, true) > near))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a border in %c is called a pole, but is no point", "uv"[k]);
+    if (a->closed && (a->pole_low || a->pole_high))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "direction %c is closed and can't have poles", "uv"[k]);
+    return GD_OK;
+}
+
+enum gd_status gd_parametric_create(const struct gd_evaluator *evaluator, struct gd_parametric **out,
+                                    struct gd_detail *detail)
+{
+    struct gd_parametric *surface = calloc(1, sizeof *surface);
+    if (!surface) {
+        if (evaluator->destroy) evaluator->destroy(evaluator->shape);
+        return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    }
+    surface->evaluator = *evaluator;
+    surface->axis[0] = &surface->evaluator.u;
+    surface->axis[1] = &surface->evaluator.v;
+    surface->bytes = sizeof *surface + evaluator->bytes;
+    atomic_init(&surface->references, 1);
+    enum gd_status status = check_axis(surface->axis[0], "u", detail);
+    if (!status) status = check_axis(surface->axis[1], "v", detail);
+    if (!status) status = measure(surface, detail);
+    if (!status) status = check_borders(surface, 0, detail);
+    if (!status) status = check_borders(surface, 1, detail);
+    if (status)
+        gd_parametric_release(surface);
+    else
+        *out = surface;
+    return status;
+}
+
+struct gd_parametric *gd_parametric_retain(const struct gd_parametric *surface)
+{
+    struct gd_parametric *shared = (struct gd_parametric *)surface;
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_parametric_release(const struct gd_parametric *surface)
+{
+    struct gd_parametric *shared = (struct gd_parametric *)surface;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    if (shared->evaluator.destroy) shared->evaluator.destroy(shared->evaluator.shape);
+    free(shared);
+}
+
+size_t gd_parametric_memsize(const struct gd_parametric *surface)
+{
+    return surface->bytes;
+}
+
+const struct gd_axis *gd_parametric_axis_u(const struct gd_parametric *surface)
+{
+    return surface->axis[0];
+}
+
+const struct gd_axis *gd_parametric_axis_v(const struct gd_parametric *surface)
+{
+    return surface->axis[1];
+}
+
+double gd_parametric_size(const struct gd_parametric *surface)
+{
+    return surface->size;
+}
+
+static bool axis_contains(const struct gd_axis *axis, double t)
+{
+    return isfinite(t) && (axis->closed || (t >= axis->low && t <= axis->high));
+}
+
+bool gd_parametric_contains(const struct gd_parametric *surface, double u, double v)
+{
+    return axis_contains(surface->axis[0], u) && axis_contains(surface->axis[1], v);
+}
+
+enum gd_status gd_parametric_evaluate(const struct gd_parametric *surface, double u, double v, struct gd_jet *out)
+{
+    if (!gd_parametric_contains(surface, u, v)) return GD_INVALID_ARGUMENT;
+    double at[2] = {gd__axis_wrap(surface->axis[0], u), gd__axis_wrap(surface->axis[1], v)};
+    gd__surface_at(surface, at, out);
+    return GD_OK;
+}
+
+struct gd_curvature gd_jet_curvature(const struct gd_jet *jet)
+{
+    struct gd_vec3 normal = gd_vec3_cross(jet->u, jet->v);
+    double area = gd_vec3_length(normal), e = gd_vec3_dot(jet->u, jet->u), f = gd_vec3_dot(jet->u, jet->v);
+    double g = gd_vec3_dot(jet->v, jet->v);
+    if (!(area > GD_TOL_REGULAR * (e + g))) return (struct gd_curvature){0};
+    normal = gd_vec3_scale(normal, 1 / area);
+    double l = gd_vec3_dot(jet->uu, normal), m = gd_vec3_dot(jet->uv, normal), n = gd_vec3_dot(jet->vv, normal);
+    double square = area * area;
+    return (struct gd_curvature){
+        .normal = normal,
+        .gaussian = (l * n - m * m) / square,
+        .mean = (e * n - 2 * f * m + g * l) / (2 * square),
+        .regular = true,
+    };
+}

@@ -1,0 +1,169 @@
+#include "nurbs/tessellation.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- nodes to vertices -------------------------------------------------------------------------------------------- */
+
+/* The node that stands for all that are one point with it. */
+static uint32_t representative(const struct gd_parametric *surface, const struct gd__grid *grid, uint32_t node)
+{
+    uint32_t columns = grid->steps[1] + 1, at[2] = {node / columns, node % columns};
+    for (int k = 0; k < 2; k++)
+        if (surface->axis[k]->closed && at[k] == grid->steps[k]) at[k] = 0;
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = surface->axis[k];
+        if ((axis->pole_low && at[k] == 0) || (axis->pole_high && at[k] == grid->steps[k])) at[1 - k] = 0;
+    }
+    return at[0] * columns + at[1];
+}
+
+static enum gd_status make_vertices(struct gd_tessellation *t, const struct gd_control *control)
+{
+    uint32_t nodes = gd__node_count(&t->grid);
+    enum gd_status status = gd_control_afford(control, nodes * (size_t)64);
+    if (status) return status;
+    t->vertex_of = malloc(nodes * sizeof *t->vertex_of);
+    t->node_of = malloc(nodes * sizeof *t->node_of);
+    t->polygons.positions = malloc(nodes * sizeof *t->polygons.positions);
+    if (!t->vertex_of || !t->node_of || !t->polygons.positions) return GD_NO_MEMORY;
+    for (uint32_t node = 0; node < nodes; node++) {
+        uint32_t first = representative(t->surface, &t->grid, node);
+        if (first != node) {
+            t->vertex_of[node] = t->vertex_of[first];
+            continue;
+        }
+        if (node % 1024 == 0 && (status = gd_control_check(control, 0.3 * node / nodes))) return status;
+        double at[2];
+        gd__node_parameters(&t->grid, node, at);
+        struct gd_vec3 x = gd__surface_position(t->surface, at);
+        uint32_t vertex = t->polygons.position_count++;
+        memcpy(t->polygons.positions[vertex], (double[3]){x.x, x.y, x.z}, sizeof *t->polygons.positions);
+        t->vertex_of[node] = vertex;
+        t->node_of[vertex] = node;
+    }
+    return GD_OK;
+}
+
+/* --- cells to faces ----------------------------------------------------------------------------------------------- */
+
+static double apart(const struct gd_tessellation *t, uint32_t a, uint32_t b)
+{
+    const double *p = t->polygons.positions[t->vertex_of[a]], *q = t->polygons.positions[t->vertex_of[b]];
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+}
+
+/* A face between three nodes, unless two of them are one vertex: at a pole. */
+static void add_face(struct gd_tessellation *t, uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t nodes[3] = {a, b, c}, *corner = t->polygons.corners + 3 * (size_t)t->polygons.polygon_count;
+    for (int i = 0; i < 3; i++) corner[i] = t->vertex_of[nodes[i]];
+    if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return;
+    memcpy(t->corners[t->polygons.polygon_count++], nodes, sizeof nodes);
+}
+
+/* Two triangles on the shorter diagonal; at a pole one stays. */
+static void fill_cell(struct gd_tessellation *t, uint32_t i, uint32_t j)
+{
+    uint32_t columns = t->grid.steps[1] + 1, a = i * columns + j, b = a + columns, c = b + 1, d = a + 1;
+    if (apart(t, a, c) <= apart(t, b, d)) {
+        add_face(t, a, b, c);
+        add_face(t, a, c, d);
+    } else {
+        add_face(t, a, b, d);
+        add_face(t, b, c, d);
+    }
+}
+
+static enum gd_status make_faces(struct gd_tessellation *t, const struct gd_control *control)
+{
+    uint32_t cells = t->grid.steps[0] * t->grid.steps[1];
+    enum gd_status status = gd_control_afford(control, cells * (size_t)64);
+    if (status) return status;
+    t->polygons.corners = malloc(6 * (size_t)cells * sizeof *t->polygons.corners);
+    t->corners = malloc(2 * (size_t)cells * sizeof *t->corners);
+    t->first_face = malloc((cells + (size_t)1) * sizeof *t->first_face);
+    if (!t->polygons.corners || !t->corners || !t->first_face) return GD_NO_MEMORY;
+    for (uint32_t cell = 0; cell < cells; cell++) {
+        if (cell % 4096 == 0 && (status = gd_control_check(control, 0.3))) return status;
+        t->first_face[cell] = t->polygons.polygon_count;
+        fill_cell(t, cell / t->grid.steps[1], cell % t->grid.steps[1]);
+    }
+    t->first_face[cells] = t->polygons.polygon_count;
+    return GD_OK;
+}
+
+enum gd_status gd_tessellation_build(const struct gd_parametric *surface, const struct gd_tessellation_options *options,
+                                     const struct gd_control *control, struct gd_tessellation **out,
+                                     struct gd_detail *detail)
+{
+    if (options && (options->steps[0] || options->steps[1]) &&
+        (options->steps[0] < GD_TESSELLATION_STEPS_LEAST || options->steps[1] < GD_TESSELLATION_STEPS_LEAST))
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "a tessellation has at least %d steps in each direction",
+                       GD_TESSELLATION_STEPS_LEAST);
+    if (options && (options->faces > GD_TESSELLATION_FACES_MAX || !(options->deviation >= 0)))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "a tessellation has at most %d faces and a deviation that is not negative",
+                       GD_TESSELLATION_FACES_MAX);
+    struct gd_tessellation *t = calloc(1, sizeof *t);
+    if (!t) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    atomic_init(&t->references, 1);
+    t->surface = gd_parametric_retain(surface);
+    enum gd_status status = gd__grid_make(surface, options, &t->grid);
+    if (!status) status = make_vertices(t, control);
+    if (!status) status = make_faces(t, control);
+    if (status)
+        gd_fail(detail, status, "%s", gd_status_sentence(status));
+    else
+        status = gd_mesh_build(&t->polygons, NULL, control, &t->mesh, detail);
+    if (status)
+        gd_tessellation_release(t);
+    else
+        *out = t;
+    return status;
+}
+
+struct gd_tessellation *gd_tessellation_retain(const struct gd_tessellation *tessellation)
+{
+    struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_tessellation_release(const struct gd_tessellation *tessellation)
+{
+    struct gd_tessellation *shared = (struct gd_tessellation *)tessellation;
+    if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
+    gd_parametric_release(shared->surface);
+    gd__grid_free(&shared->grid);
+    gd_polygons_free(&shared->polygons);
+    gd_mesh_release(shared->mesh);
+    free(shared->vertex_of);
+    free(shared->node_of);
+    free(shared->corners);
+    free(shared->first_face);
+    free(shared);
+}
+
+size_t gd_tessellation_memsize(const struct gd_tessellation *t)
+{
+    size_t nodes = gd__node_count(&t->grid), faces = t->polygons.polygon_count;
+    return sizeof *t + gd_mesh_memsize(t->mesh) + nodes * (2 * sizeof(uint32_t) + 3 * sizeof(double)) +
+           faces * 8 * sizeof(uint32_t);
+}
+
+const struct gd_parametric *gd_tessellation_surface(const struct gd_tessellation *tessellation)
+{
+    return tessellation->surface;
+}
+
+const struct gd_mesh *gd_tessellation_mesh(const struct gd_tessellation *tessellation)
+{
+    return tessellation->mesh;
+}
+
+const struct gd_polygons *gd_tessellation_polygons(const struct gd_tessellation *tessellation)
+{
+    return &tessellation->polygons;
+}

@@ -1,0 +1,33 @@
+/* The inside of a tessellation: its grid and which faces each cell of it has. */
+#ifndef GD_NURBS_TESSELLATION_H
+#define GD_NURBS_TESSELLATION_H
+
+#include <stdatomic.h>
+
+#include "nurbs/grid.h"
+
+/* A node (i, j) of the grid is numbered i * (steps[1] + 1) + j; in closed directions the last ones are copies of the first. */
+struct gd_tessellation {
+    const struct gd_parametric *surface;
+    struct gd__grid grid;
+    struct gd_polygons polygons;
+    struct gd_mesh *mesh;
+    uint32_t *vertex_of;    /* node -> vertex */
+    uint32_t *node_of;      /* vertex -> its first node */
+    uint32_t (*corners)[3]; /* face -> nodes, those of its own cell */
+    uint32_t *first_face;   /* cell -> its first face, and one more; a cell at a pole has one face, others two */
+    _Atomic uint32_t references;
+};
+
+static inline uint32_t gd__node_count(const struct gd__grid *grid)
+{
+    return (grid->steps[0] + 1) * (grid->steps[1] + 1);
+}
+
+static inline void gd__node_parameters(const struct gd__grid *grid, uint32_t node, double uv[2])
+{
+    uv[0] = grid->at[0][node / (grid->steps[1] + 1)];
+    uv[1] = grid->at[1][node % (grid->steps[1] + 1)];
+}
+
+#endif

@@ -1,0 +1,222 @@
+/* Catmull and Clark, Recursively generated B-spline surfaces on arbitrary topological meshes (1978): quadrilaterals, bicubic B-splines. */
+#include "subdiv/scheme.h"
+
+#include <math.h>
+
+static uint32_t child_at(double s, double t, double ds, double dt, double slack)
+{
+    bool right = gd__is_beyond(s, ds, slack), up = gd__is_beyond(t, dt, slack);
+    return up ? (right ? 2 : 3) : (right ? 1 : 0);
+}
+
+static struct gd_vec3 edge_point(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points)
+{
+    struct gd_vec3 ends = gd_vec3_add(net->points[net->origin[side]], net->points[gd__side_end(net, side)]);
+    struct gd_vec3 faces =
+        gd_vec3_add(face_points[gd__face_of(net, side)], face_points[gd__face_of(net, net->twin[side])]);
+    return gd_vec3_scale(gd_vec3_add(ends, faces), 0.25);
+}
+
+/* (Q + 2R + (n-3)V) / n: Q the mean of the face points, R that of the edges' middles. */
+static struct gd_vec3 vertex_point(const struct gd__net *net, const struct gd__fan *fan,
+                                   const struct gd_vec3 *face_points)
+{
+    double n = fan->count;
+    struct gd_vec3 sum = {0};
+    for (uint32_t i = 0; i < fan->count; i++) {
+        sum = gd_vec3_add(sum, net->points[gd__side_end(net, fan->sides[i])]);
+        sum = gd_vec3_add(sum, face_points[gd__face_of(net, fan->sides[i])]);
+    }
+    struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
+    return gd_vec3_along(gd_vec3_scale(own, (n - 2) / n), 1 / (n * n), sum);
+}
+
+/* The corner opposite to the origin of a side, in its quad. */
+static struct gd_vec3 opposite(const struct gd__net *net, uint32_t side)
+{
+    return net->points[gd__side_end(net, gd__side_next(net, side))];
+}
+
+static struct gd_vec3 spoke(const struct gd__net *net, const struct gd__fan *fan, uint32_t i)
+{
+    return net->points[gd__spoke_end(net, fan, i % gd__fan_spokes(fan))];
+}
+
+/* (n^2 V + 4 sum E + sum F) / (n (n + 5)): Halstead, Kass, DeRose (1993). */
+static struct gd_vec3 limit(const struct gd__net *net, const struct gd__fan *fan)
+{
+    double n = fan->count;
+    struct gd_vec3 sum = gd_vec3_scale(net->points[net->origin[fan->sides[0]]], n * n);
+    for (uint32_t i = 0; i < fan->count; i++) {
+        sum = gd_vec3_along(sum, 4, spoke(net, fan, i));
+        sum = gd_vec3_add(sum, opposite(net, fan->sides[i]));
+    }
+    return gd_vec3_scale(sum, 1 / (n * (n + 5)));
+}
+
+static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *fan, double angle)
+{
+    double n = fan->count, step = 2 * M_PI / n;
+    double a = 1 + cos(step) + cos(M_PI / n) * sqrt(2 * (9 + cos(step)));
+    struct gd_vec3 sum = {0};
+    for (uint32_t i = 0; i < fan->count; i++) {
+        double c = cos(i * step - angle), d = cos((i + 1) * step - angle);
+        sum = gd_vec3_along(sum, a * c, spoke(net, fan, i));
+        sum = gd_vec3_along(sum, c + d, opposite(net, fan->sides[i]));
+    }
+    return sum;
+}
+
+/* The left eigenvector of mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces: with
+ * A = sum sin(i theta) E_i and B = sum (sin(i theta) + sin((i+1) theta)) F_i the step takes a A + B, a = 16 mu - 4, to mu times itself and parts of V and of the crease's
+ * neighbours Ea, Eb; adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta / 2), makes up for them.
+ * (Biermann, Levin, Zorin 2000 give it for rules that are modified so that mu = 1/2, which is ours for k = 2 only.) With one face, where what crosses the curve is
+ * the curve's own bend, or, where that is straight, the way to the face's far corner. */
+static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces)
+{
+    struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
+    struct gd_vec3 ends = gd_vec3_add(spoke(net, fan, begin), spoke(net, fan, begin + faces));
+    if (faces == 1) {
+        struct gd_vec3 bend = gd_vec3_along(ends, -2, own), along = gd_vec3_sub(spoke(net, fan, begin), own);
+        double area = gd_vec3_length(gd_vec3_cross(along, bend));
+        return area > 0 ? bend : gd_vec3_sub(opposite(net, fan->sides[begin % fan->count]), own);
+    }
+    double theta = M_PI / faces, c = cos(theta), sigma = 1 / tan(theta / 2);
+    double mu = (5 + c + sqrt((1 + c) * (9 + c))) / 16, a = 16 * mu - 4;
+    double b = (mu * sin(theta) - (2 * mu - 0.25) * sigma) / (mu - 0.25);
+    struct gd_vec3 sum = gd_vec3_along(gd_vec3_scale(own, -(a + 2) * sigma - 2 * b), b, ends);
+    for (uint32_t i = 0; i < faces; i++) {
+        sum = gd_vec3_along(sum, a * sin(i * theta), spoke(net, fan, begin + i));
+        sum = gd_vec3_along(sum, sin(i * theta) + sin((i + 1) * theta),
+                            opposite(net, fan->sides[(begin + i) % fan->count]));
+    }
+    return sum;
+}
+
+/* Places of the face's corners in the 4 x 4 grid, and the way out across the side that begins there. */
+static const int corner_place[4][2] = {{1, 1}, {2, 1}, {2, 2}, {1, 2}},
+                 outwards[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+
+static struct gd_vec3 *cell(struct gd__patch *patch, int i, int j)
+{
+    return &patch->c[4 * i + j];
+}
+
+/* a + (a - b): the point of a row beyond a sharp edge, such that the spline has the edge's own curve as its border. */
+static struct gd_vec3 mirrored(struct gd_vec3 a, struct gd_vec3 b)
+{
+    return gd_vec3_sub(gd_vec3_scale(a, 2), b);
+}
+
+/* The two points beyond side k. */
+static void gather_beyond(const struct gd__net *net, int k, struct gd__patch *out)
+{
+    const int *a = corner_place[k], *b = corner_place[(k + 1) % 4], *d = outwards[k];
+    struct gd_vec3 *beyond_a = cell(out, a[0] + d[0], a[1] + d[1]), *beyond_b = cell(out, b[0] + d[0], b[1] + d[1]);
+    if (net->sharpness[k] > 0) {
+        *beyond_a = mirrored(*cell(out, a[0], a[1]), *cell(out, a[0] - d[0], a[1] - d[1]));
+        *beyond_b = mirrored(*cell(out, b[0], b[1]), *cell(out, b[0] - d[0], b[1] - d[1]));
+        return;
+    }
+    uint32_t twin = net->twin[k];
+    *beyond_a = opposite(net, twin);
+    *beyond_b = net->points[net->origin[gd__side_previous(net, twin)]];
+}
+
+/* The point diagonally beyond corner k, between the sides `before` and k. */
+static void gather_diagonal(const struct gd__net *net, int k, struct gd__patch *out)
+{
+    int before = (k + 3) % 4;
+    const int *a = corner_place[k], *d = outwards[k], *e = outwards[before];
+    int i = a[0] + d[0] + e[0], j = a[1] + d[1] + e[1];
+    if (net->sharpness[k] > 0)
+        *cell(out, i, j) =
+            mirrored(*cell(out, a[0] + e[0], a[1] + e[1]), *cell(out, a[0] + e[0] - d[0], a[1] + e[1] - d[1]));
+    else if (net->sharpness[before] > 0)
+        *cell(out, i, j) =
+            mirrored(*cell(out, a[0] + d[0], a[1] + d[1]), *cell(out, a[0] + d[0] - e[0], a[1] + d[1] - e[1]));
+    else
+        *cell(out, i, j) =
+            net->points[net->origin[gd__side_previous(net, net->twin[gd__side_next(net, net->twin[k])])]];
+}
+
+static void patch(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out)
+{
+    (void)fan;
+    for (int k = 0; k < 4; k++) *cell(out, corner_place[k][0], corner_place[k][1]) = net->points[net->origin[k]];
+    for (int k = 0; k < 4; k++) gather_beyond(net, k, out);
+    for (int k = 0; k < 4; k++) gather_diagonal(net, k, out);
+}
+
+/* The uniform cubic B-spline's four weights, and their derivatives. */
+struct weights {
+    double b[4], d[4], dd[4];
+};
+
+static struct weights weights_at(double t)
+{
+    double r = 1 - t;
+    return (struct weights){
+        {r * r * r / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (3 * r * r * r - 6 * r * r + 4) / 6, t * t * t / 6},
+        {-r * r / 2, (3 * t * t - 4 * t) / 2, (4 * r - 3 * r * r) / 2, t * t / 2},
+        {r, 3 * t - 2, 3 * r - 2, t}};
+}
+
+static struct gd_vec3 combine(const double w[4], const struct gd_vec3 *c, int stride)
+{
+    struct gd_vec3 sum = gd_vec3_scale(c[0], w[0]);
+    for (int i = 1; i < 4; i++) sum = gd_vec3_along(sum, w[i], c[i * stride]);
+    return sum;
+}
+
+static void evaluate(const struct gd__patch *patch, double s, double t, struct gd__jet *out)
+{
+    struct weights u = weights_at(s), v = weights_at(t);
+    struct gd_vec3 p[4], d[4], dd[4];
+    for (int j = 0; j < 4; j++) {
+        p[j] = combine(u.b, patch->c + j, 4);
+        d[j] = combine(u.d, patch->c + j, 4);
+        dd[j] = combine(u.dd, patch->c + j, 4);
+    }
+    *out = (struct gd__jet){combine(v.b, p, 1),  combine(v.b, d, 1), combine(v.d, p, 1),
+                            combine(v.b, dd, 1), combine(v.d, d, 1), combine(v.dd, p, 1)};
+}
+
+static void grid(const struct gd__patch *patch, uint32_t cells, ptrdiff_t origin, ptrdiff_t step_s, ptrdiff_t step_t,
+                 struct gd_vec3 *positions, struct gd_vec3 *normals)
+{
+    for (uint32_t i = 0; i <= cells; i++) {
+        struct weights u = weights_at((double)i / cells);
+        struct gd_vec3 p[4], d[4];
+        for (int j = 0; j < 4; j++) {
+            p[j] = combine(u.b, patch->c + j, 4);
+            d[j] = combine(u.d, patch->c + j, 4);
+        }
+        for (uint32_t j = 0; j <= cells; j++) {
+            struct weights v = weights_at((double)j / cells);
+            ptrdiff_t at = origin + (ptrdiff_t)i * step_s + (ptrdiff_t)j * step_t;
+            positions[at] = combine(v.b, p, 1);
+            normals[at] = gd_vec3_cross(combine(v.b, d, 1), combine(v.d, p, 1));
+        }
+    }
+}
+
+const struct gd__scheme gd__catmull_clark = {
+    .arity = 4,
+    .valence = 4,
+    .face_points = true,
+    .children = {{{0, 0}, {1, 0}, {0, 1}},
+                 {{2, 0}, {0, 1}, {-1, 0}},
+                 {{2, 2}, {-1, 0}, {0, -1}},
+                 {{0, 2}, {0, -1}, {1, 0}}},
+    .corner_patches = true,
+    .child_at = child_at,
+    .edge_point = edge_point,
+    .vertex_point = vertex_point,
+    .limit = limit,
+    .tangent = tangent,
+    .cross = cross,
+    .patch = patch,
+    .evaluate = evaluate,
+    .grid = grid,
+};

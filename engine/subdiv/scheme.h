@@ -1,0 +1,70 @@
+/* Scheme: what Catmull-Clark and Loop subdivision differ in. Everything else (refinement, neighbourhoods, descent, grids, tracing) is written once.
+ *
+ * A face's own coordinates (s,t) run over its domain: the square [0,1]^2 or the triangle s, t >= 0, s + t <= 1. Its children lie in it as `children`
+ * says: (s,t) of a child is ((origin + s * axis_s + t * axis_t) / 2) of its parent; the determinant of the axes is 1. */
+#ifndef GD_SUBDIV_SCHEME_H
+#define GD_SUBDIV_SCHEME_H
+
+#include "subdiv/net.h"
+
+/* Value and derivatives in (s,t). */
+struct gd__jet {
+    struct gd_vec3 p, s, t, ss, st, tt;
+};
+
+/* A polynomial piece of the surface over its face: 16 B-spline control points, or the 15 coefficients of a quartic in powers of s and t. */
+struct gd__patch {
+    struct gd_vec3 c[16];
+};
+
+struct gd__child {
+    int origin[2], s[2], t[2];
+};
+
+enum { GD__CHILDREN = 4 };
+
+struct gd__scheme {
+    uint32_t arity;
+    uint32_t valence; /* of regular vertices */
+    bool face_points;
+    struct gd__child children[GD__CHILDREN];
+    bool corner_patches; /* a sharp corner of one face is part of a polynomial patch */
+
+    /* The child in whose domain (s,t) lies. On a border between children, up to `slack`: the one that (ds,dt) points into, if that is not 0. */
+    uint32_t (*child_at)(double s, double t, double ds, double dt, double slack);
+
+    /* Subdivision rules inside; `face_points` is NULL for Loop. */
+    struct gd_vec3 (*edge_point)(const struct gd__net *net, uint32_t side, const struct gd_vec3 *face_points);
+    struct gd_vec3 (*vertex_point)(const struct gd__net *net, const struct gd__fan *fan,
+                                   const struct gd_vec3 *face_points);
+
+    /* Limit masks of a closed fan without sharp edges, and the tangent towards spoke 0 turned by `angle` (2 pi / n is the next spoke). */
+    struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
+    struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
+    /* ... and, at a crease with `faces` faces from spoke `begin` on, the tangent into the surface across it. */
+    struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces);
+
+    /* The polynomial of face 0, all of whose corners are regular (gd__ring_is_regular). */
+    void (*patch)(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out);
+    void (*evaluate)(const struct gd__patch *patch, double s, double t, struct gd__jet *out);
+
+    /* Positions and cross products of the derivatives at (i / cells, j / cells), 0 <= i, j <= cells in the domain, at index origin + i step_s + j step_t. */
+    void (*grid)(const struct gd__patch *patch, uint32_t cells, ptrdiff_t origin, ptrdiff_t step_s, ptrdiff_t step_t,
+                 struct gd_vec3 *positions, struct gd_vec3 *normals);
+};
+
+/* Which side of the border between children at 1/2 a coordinate is on. */
+static inline bool gd__is_beyond(double x, double dx, double slack)
+{
+    bool on = x >= 0.5 - slack && x <= 0.5 + slack;
+    return on && dx != 0 ? dx > 0 : x > 0.5;
+}
+
+extern const struct gd__scheme gd__catmull_clark, gd__loop;
+
+static inline const struct gd__scheme *gd__scheme_of(const struct gd__net *net)
+{
+    return net->arity == 4 ? &gd__catmull_clark : &gd__loop;
+}
+
+#endif

@@ -1,0 +1,275 @@
+#include "gd/subdivision.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "subdiv/connect.h"
+#include "subdiv/refine.h"
+#include "subdiv/surface.h"
+
+enum { SIDES_MOST = 1 << 26 };
+
+/* One refinement of a mesh with polygons, whose children are all quads. */
+static enum gd_status split(struct gd_subdivision *surface, struct gd__net *control)
+{
+    uint32_t edges = gd__number_edges(control);
+    struct gd__fan fan = {.sides = malloc((control->side_count + (size_t)1) * sizeof *fan.sides)};
+    surface->split_first = malloc((control->face_count + (size_t)1) * sizeof *surface->split_first);
+    enum gd_status status = fan.sides && surface->split_first ? GD_OK : GD_NO_MEMORY;
+    size_t points = (size_t)control->point_count + edges + control->face_count;
+    if (!status)
+        status = gd__net_create(&surface->base, 4, points, control->side_count, 4 * (size_t)control->side_count, false);
+    if (!status) {
+        for (uint32_t face = 0; face <= control->face_count; face++)
+            surface->split_first[face] = gd__face_first(control, face);
+        gd__net_refine(control, control->point_count, &fan, &surface->base);
+    }
+    free(fan.sides);
+    return status;
+}
+
+/* Counts, per point, its edges (one more than its faces at a boundary) and whether it is at the boundary. */
+struct census {
+    uint32_t *edges;
+    bool *open;
+};
+
+static enum gd_status take_census(const struct gd__net *net, struct census *out)
+{
+    *out = (struct census){calloc(net->point_count + (size_t)1, sizeof *out->edges),
+                           calloc(net->point_count + (size_t)1, sizeof *out->open)};
+    if (!out->edges || !out->open) return GD_NO_MEMORY;
+    for (uint32_t side = 0; side < net->side_count; side++) {
+        out->edges[net->origin[side]]++;
+        if (net->twin[side] != GD_NONE) continue;
+        out->edges[gd__side_end(net, side)]++;
+        out->open[net->origin[side]] = true;
+    }
+    return GD_OK;
+}
+
+static uint32_t largest_valence(const struct gd__net *net, const struct census *census, uint32_t least)
+{
+    uint32_t largest = least;
+    for (uint32_t i = 0; i < net->point_count; i++) largest = census->edges[i] > largest ? census->edges[i] : largest;
+    return largest;
+}
+
+/* `valences` has room for one of each valence up to the largest. */
+static uint32_t count_extraordinary(const struct gd__net *net, const struct census *census, uint32_t regular,
+                                    uint32_t largest, struct gd_valence *valences)
+{
+    for (uint32_t v = 0; v <= largest; v++) valences[v] = (struct gd_valence){v, 0};
+    for (uint32_t i = 0; i < net->point_count; i++) {
+        uint32_t valence = census->edges[i];
+        if (valence > 0 && valence != regular && !census->open[i]) valences[valence].count++;
+    }
+    uint32_t count = 0;
+    for (uint32_t v = 0; v <= largest; v++) {
+        if (valences[v].count > 0) valences[count++] = valences[v];
+    }
+    return count;
+}
+
+static uint32_t count_loops(const struct gd__net *net)
+{
+    uint32_t loops = 0;
+    bool *seen = calloc(net->side_count, sizeof *seen);
+    for (uint32_t begin = 0; seen && begin < net->side_count; begin++) {
+        if (net->twin[begin] != GD_NONE || seen[begin]) continue;
+        loops++;
+        for (uint32_t side = begin; !seen[side];) {
+            seen[side] = true;
+            side = gd__side_next(net, side);
+            while (net->twin[side] != GD_NONE) side = gd__side_next(net, net->twin[side]);
+        }
+    }
+    uint32_t found = seen ? loops : GD_NONE;
+    free(seen);
+    return found;
+}
+
+static void count_edges(const struct gd__net *net, const struct gd_control_mesh *mesh, uint32_t edges,
+                        struct gd_subdivision_summary *out)
+{
+    out->vertex_count = net->point_count;
+    out->edge_count = edges;
+    out->face_count = net->face_count;
+    for (uint32_t side = 0; side < net->side_count; side++) {
+        uint32_t twin = net->twin[side];
+        out->boundary_edges += twin == GD_NONE;
+        out->crease_edges += twin != GD_NONE && side < twin && net->sharpness[side] > 0;
+    }
+    for (uint32_t i = 0; i < mesh->corner_count; i++) out->corner_vertices += mesh->corners[i].sharpness > 0;
+}
+
+static enum gd_status summarise(struct gd_subdivision *surface, struct gd__net *control,
+                                const struct gd_control_mesh *mesh)
+{
+    struct census census;
+    enum gd_status status = take_census(control, &census);
+    uint32_t largest = status ? 0 : largest_valence(control, &census, surface->rules->valence);
+    uint32_t loops = status ? 0 : count_loops(control);
+    if (!status) surface->valences = malloc((largest + (size_t)1) * sizeof *surface->valences);
+    if (!surface->valences || loops == GD_NONE) status = GD_NO_MEMORY;
+    if (!status) {
+        struct gd_subdivision_summary *summary = &surface->summary;
+        count_edges(control, mesh, gd__number_edges(control), summary);
+        summary->boundary_loops = loops;
+        summary->extraordinary_count =
+            count_extraordinary(control, &census, surface->rules->valence, largest, surface->valences);
+        summary->extraordinary = surface->valences;
+        surface->largest_valence = largest;
+    }
+    free(census.edges);
+    free(census.open);
+    return status;
+}
+
+/* Splitting makes vertices of polygons' valence: their middles. */
+static void widen_valence(struct gd_subdivision *surface)
+{
+    for (uint32_t face = 0; surface->split_first && face < surface->control_faces; face++) {
+        uint32_t corners = surface->split_first[face + 1] - surface->split_first[face];
+        if (corners > surface->largest_valence) surface->largest_valence = corners;
+    }
+}
+
+static struct gd__box joined(struct gd__box a, struct gd__box b)
+{
+    return (struct gd__box){{fmin(a.low.x, b.low.x), fmin(a.low.y, b.low.y), fmin(a.low.z, b.low.z)},
+                            {fmax(a.high.x, b.high.x), fmax(a.high.y, b.high.y), fmax(a.high.z, b.high.z)}};
+}
+
+/* Of the corners of each face; then of the faces around each point; then of the points of each face again. */
+static enum gd_status make_boxes(struct gd_subdivision *surface)
+{
+    const struct gd__net *base = &surface->base;
+    const struct gd__box none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    struct gd__box *around = malloc((base->point_count + (size_t)1) * sizeof *around);
+    surface->boxes = malloc(base->face_count * sizeof *surface->boxes);
+    if (!around || !surface->boxes) {
+        free(around);
+        return GD_NO_MEMORY;
+    }
+    for (uint32_t i = 0; i < base->point_count; i++) around[i] = none;
+    for (uint32_t face = 0; face < base->face_count; face++) {
+        const uint32_t *corners = base->origin + (size_t)base->arity * face;
+        struct gd__box box = none;
+        for (uint32_t k = 0; k < base->arity; k++) {
+            struct gd_vec3 p = base->points[corners[k]];
+            box = joined(box, (struct gd__box){p, p});
+        }
+        for (uint32_t k = 0; k < base->arity; k++) around[corners[k]] = joined(around[corners[k]], box);
+    }
+    for (uint32_t face = 0; face < base->face_count; face++) {
+        surface->boxes[face] = none;
+        for (uint32_t k = 0; k < base->arity; k++)
+            surface->boxes[face] = joined(surface->boxes[face], around[base->origin[base->arity * face + k]]);
+    }
+    free(around);
+    return GD_OK;
+}
+
+static void measure(struct gd_subdivision *surface)
+{
+    struct gd__box all = surface->boxes[0];
+    for (uint32_t face = 1; face < surface->base.face_count; face++) all = joined(all, surface->boxes[face]);
+    struct gd_vec3 extent = gd_vec3_sub(all.high, all.low);
+    surface->size = fmax(extent.x, fmax(extent.y, extent.z));
+}
+
+static enum gd_status adopt(struct gd_subdivision *surface, struct gd__net *control, const struct gd_control_mesh *mesh)
+{
+    surface->control_faces = control->face_count;
+    enum gd_status status = summarise(surface, control, mesh);
+    if (status) return status;
+    if (control->first) {
+        status = split(surface, control);
+        widen_valence(surface);
+    } else {
+        surface->base = *control;
+        *control = (struct gd__net){0};
+    }
+    if (status) return status;
+    surface->base_edges = gd__number_edges(&surface->base);
+    status = make_boxes(surface);
+    if (!status) measure(surface);
+    return status;
+}
+
+static enum gd_status build(struct gd_subdivision *surface, const struct gd_control_mesh *mesh,
+                            struct gd_detail *detail)
+{
+    struct gd__net control = {0};
+    struct gd__edge_key *edges = NULL;
+    enum gd_status status = gd__net_connect(&mesh->polygons, surface->rules->arity, &control, &edges, detail);
+    if (!status) status = gd__apply_tags(mesh, edges, &control, detail);
+    free(edges);
+    if (!status) status = adopt(surface, &control, mesh);
+    gd__net_free(&control);
+    return status;
+}
+
+enum gd_status gd_subdivision_create(const struct gd_control_mesh *control_mesh, enum gd_scheme scheme,
+                                     const struct gd_control *control, struct gd_subdivision **out,
+                                     struct gd_detail *detail)
+{
+    size_t sides = control_mesh->polygons.polygon_count ? gd_polygons_corner_count(&control_mesh->polygons) : 0;
+    if (sides > SIDES_MOST)
+        return gd_fail(detail, GD_TOO_LARGE, "the control mesh's faces have %zu corners in all: at most %d are taken",
+                       sides, SIDES_MOST);
+    enum gd_status status = gd_control_check(control, 0);
+    if (!status) status = gd_control_afford(control, 200 * sides);
+    if (status) return status;
+    struct gd_subdivision *surface = calloc(1, sizeof *surface);
+    if (!surface) return GD_NO_MEMORY;
+    atomic_init(&surface->references, 1);
+    surface->scheme = scheme;
+    surface->rules = scheme == GD_SCHEME_LOOP ? &gd__loop : &gd__catmull_clark;
+    status = build(surface, control_mesh, detail);
+    if (!status) status = gd_control_check(control, 1);
+    if (status)
+        gd_subdivision_release(surface);
+    else
+        *out = surface;
+    return status;
+}
+
+struct gd_subdivision *gd_subdivision_retain(const struct gd_subdivision *surface)
+{
+    struct gd_subdivision *shared = (struct gd_subdivision *)surface;
+    atomic_fetch_add_explicit(&shared->references, 1, memory_order_relaxed);
+    return shared;
+}
+
+void gd_subdivision_release(const struct gd_subdivision *surface)
+{
+    if (!surface) return;
+    struct gd_subdivision *shared = (struct gd_subdivision *)surface;
+    if (atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) != 1) return;
+    gd__net_free(&shared->base);
+    free(shared->split_first);
+    free(shared->valences);
+    free(shared->boxes);
+    free(shared);
+}
+
+size_t gd_subdivision_memsize(const struct gd_subdivision *surface)
+{
+    const struct gd__net *base = &surface->base;
+    return sizeof *surface + base->face_count * sizeof *surface->boxes +
+           gd__net_size(base->point_count, base->face_count, base->side_count, false) +
+           (surface->split_first ? (surface->control_faces + 1) * sizeof(uint32_t) : 0) +
+           surface->largest_valence * sizeof(struct gd_valence);
+}
+
+enum gd_scheme gd_subdivision_scheme(const struct gd_subdivision *surface)
+{
+    return surface->scheme;
+}
+
+struct gd_subdivision_summary gd_subdivision_summary(const struct gd_subdivision *surface)
+{
+    return surface->summary;
+}

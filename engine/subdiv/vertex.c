@@ -1,0 +1,176 @@
+/* Vertices and corners of neighbourhoods: what kind they are, and the limits there. */
+#include "subdiv/walker.h"
+
+#include <math.h>
+
+#include "subdiv/refine.h"
+
+enum kind {
+    KIND_SMOOTH,
+    KIND_DART, /* a crease ends */
+    KIND_CREASE,
+    KIND_CORNER,
+    KIND_PASSING /* semi-sharp: another kind after some steps */
+};
+
+static enum kind kind_of(const struct gd__net *net, const struct gd__fan *fan)
+{
+    float corner = net->corner[net->origin[fan->sides[0]]];
+    uint32_t sharp = 0;
+    bool passing = corner > 0 && corner < INFINITY;
+    for (uint32_t i = 0; i < gd__fan_spokes(fan); i++) {
+        float sharpness = gd__spoke_sharpness(net, fan, i);
+        passing |= sharpness > 0 && sharpness < INFINITY;
+        sharp += sharpness == INFINITY;
+    }
+    if (passing) return KIND_PASSING;
+    if (corner > 0 || sharp > 2) return KIND_CORNER;
+    return sharp == 2 ? KIND_CREASE : sharp == 1 ? KIND_DART : KIND_SMOOTH;
+}
+
+/* The faces between two creases, among them the one of `side`: from spoke `begin` on. */
+struct sector {
+    uint32_t begin, faces;
+    uint32_t own; /* the spoke of `side`, counted from `begin` */
+};
+
+static struct sector sector_of(const struct gd__net *net, const struct gd__fan *fan, uint32_t side)
+{
+    uint32_t spokes = gd__fan_spokes(fan), at = 0;
+    while (fan->sides[at] != side) at++;
+    struct sector sector = {at, 1, 0};
+    while (gd__spoke_sharpness(net, fan, sector.begin) == 0) {
+        sector.begin = (sector.begin + spokes - 1) % spokes;
+        sector.own++;
+    }
+    sector.faces += sector.own;
+    while (gd__spoke_sharpness(net, fan, (sector.begin + sector.faces) % spokes) == 0) sector.faces++;
+    return sector;
+}
+
+static bool corner_is_regular(const struct gd__net *net, uint32_t side, struct gd__fan *fan)
+{
+    const struct gd__scheme *rules = gd__scheme_of(net);
+    gd__fan_around(net, side, fan);
+    switch (kind_of(net, fan)) {
+    case KIND_SMOOTH:
+        return fan->count == rules->valence;
+    case KIND_CREASE:
+        return sector_of(net, fan, side).faces == rules->valence / 2;
+    case KIND_CORNER:
+        return rules->corner_patches && net->sharpness[side] > 0 && net->sharpness[gd__side_previous(net, side)] > 0;
+    case KIND_DART:
+    case KIND_PASSING:
+        break;
+    }
+    return false;
+}
+
+bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan)
+{
+    for (uint32_t k = 0; k < ring->arity; k++) {
+        if (!corner_is_regular(ring, k, fan)) return false;
+    }
+    return true;
+}
+
+static enum gd_status to_unit(struct gd_vec3 *v)
+{
+    double length = gd_vec3_length(*v);
+    if (!(length > 0 && length < INFINITY)) return GD_INTERNAL;
+    *v = gd_vec3_scale(*v, 1 / length);
+    return GD_OK;
+}
+
+static enum gd_status to_units(struct gd__vertex *vertex)
+{
+    enum gd_status status = to_unit(&vertex->normal);
+    if (!status) status = to_unit(&vertex->s);
+    if (!status) status = to_unit(&vertex->t);
+    return status;
+}
+
+static enum gd_status smooth_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                                   struct gd__vertex *out)
+{
+    const struct gd__scheme *rules = gd__scheme_of(net);
+    uint32_t own = 0;
+    while (fan->sides[own] != side) own++;
+    double step = 2 * M_PI / fan->count;
+    struct gd_vec3 x = rules->tangent(net, fan, 0), y = rules->tangent(net, fan, M_PI / 2);
+    *out = (struct gd__vertex){.position = rules->limit(net, fan),
+                               .normal = gd_vec3_cross(x, y),
+                               .s = rules->tangent(net, fan, own * step),
+                               .t = rules->tangent(net, fan, (own + 1) * step)};
+    return to_units(out);
+}
+
+/* Along the crease, or, from an inner spoke of three or more faces, across it: there the ring shrinks less across the crease than along it. */
+static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, struct gd_vec3 along, struct gd_vec3 cross)
+{
+    if (spoke == 0) return along;
+    return spoke == sector.faces ? gd_vec3_scale(along, -1) : cross;
+}
+
+static enum gd_status crease_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                                   struct gd__vertex *out)
+{
+    struct sector sector = sector_of(net, fan, side);
+    uint32_t spokes = gd__fan_spokes(fan);
+    struct gd_vec3 own = net->points[net->origin[side]];
+    struct gd_vec3 a = net->points[gd__spoke_end(net, fan, sector.begin)];
+    struct gd_vec3 b = net->points[gd__spoke_end(net, fan, (sector.begin + sector.faces) % spokes)];
+    struct gd_vec3 along = gd_vec3_sub(a, b), cross = gd__scheme_of(net)->cross(net, fan, sector.begin, sector.faces);
+    *out = (struct gd__vertex){
+        .position = gd_vec3_scale(gd_vec3_along(gd_vec3_add(a, b), 4, own), 1.0 / 6),
+        .normal = gd_vec3_cross(along, cross),
+        .s = crease_direction(sector, sector.own, along, cross),
+        .t = crease_direction(sector, sector.own + 1, along, cross),
+    };
+    return to_units(out);
+}
+
+/* Darts and corners have no masks in closed form: their rings have been subdivided until only their shape is left. */
+static enum gd_status shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
+                                  struct gd__vertex *out)
+{
+    bool corner = kind_of(net, fan) == KIND_CORNER;
+    struct gd_vec3 own = net->points[net->origin[side]];
+    struct gd_vec3 limit = corner ? own : gd__scheme_of(net)->limit(net, fan);
+    *out = (struct gd__vertex){
+        .position = limit,
+        .s = gd_vec3_sub(net->points[gd__side_end(net, side)], limit),
+        .t = gd_vec3_sub(net->points[net->origin[gd__side_previous(net, side)]], limit),
+    };
+    for (uint32_t i = 0; !corner && i < fan->count; i++) {
+        struct gd_vec3 a = net->points[gd__side_end(net, fan->sides[i])];
+        struct gd_vec3 b = net->points[net->origin[gd__side_previous(net, fan->sides[i])]];
+        out->normal = gd_vec3_add(out->normal, gd_vec3_cross(gd_vec3_sub(a, limit), gd_vec3_sub(b, limit)));
+    }
+    if (corner) out->normal = gd_vec3_cross(out->s, out->t);
+    return to_units(out);
+}
+
+enum gd_status gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
+                                struct gd_vec3 origin, struct gd__vertex *out)
+{
+    struct gd__vertex vertex;
+    enum gd_status status = GD_INTERNAL;
+    for (uint32_t depth = 0;; depth++) {
+        const struct gd__net *net = &walker->stages[at].ring;
+        gd__fan_around(net, corner, &walker->fan);
+        enum kind kind = kind_of(net, &walker->fan);
+        if (kind == KIND_SMOOTH) status = smooth_limit(net, &walker->fan, corner, &vertex);
+        if (kind == KIND_CREASE) status = crease_limit(net, &walker->fan, corner, &vertex);
+        if (depth == GD__DEPTH_MOST) status = shape_limit(net, &walker->fan, corner, &vertex);
+        if (kind == KIND_SMOOTH || kind == KIND_CREASE || depth == GD__DEPTH_MOST) break;
+        uint32_t to = free + depth % 2;
+        gd__descend(walker, at, gd__child_at_corner(net, corner), to, &origin);
+        at = to;
+        corner = 0;
+    }
+    if (status) return status;
+    vertex.position = gd_vec3_add(vertex.position, origin);
+    *out = vertex;
+    return GD_OK;
+}

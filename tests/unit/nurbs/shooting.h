@@ -1,0 +1,128 @@
+/* Shooting: the geodesic equation on a parametric surface, integrated by the Runge-Kutta pair of Dormand and Prince with step control, and Newton's method
+ * on direction and length until it hits a place. Knows nothing of splines and energies: an independent reference for lengths. */
+#ifndef TESTS_UNIT_NURBS_SHOOTING_H
+#define TESTS_UNIT_NURBS_SHOOTING_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "gd/parametric.h"
+
+static const double shooting_tolerance = 1e-13; /* of a step, relative to the domain */
+
+/* The jet at a place; a little outside of the domain, as rounding may lead, that of the border. */
+static inline void shooting_jet(const struct gd_parametric *surface, const double at[2], struct gd_jet *jet)
+{
+    const struct gd_axis *axes[2] = {gd_parametric_axis_u(surface), gd_parametric_axis_v(surface)};
+    double place[2];
+    for (int k = 0; k < 2; k++) place[k] = axes[k]->closed ? at[k] : fmin(fmax(at[k], axes[k]->low), axes[k]->high);
+    enum gd_status status = gd_parametric_evaluate(surface, place[0], place[1], jet);
+    (void)status;
+}
+
+/* y = (u, v, u', v'); (u'', v'') = -g^-1 (x_u . a, x_v . a), a = x_uu u'^2 + 2 x_uv u' v' + x_vv v'^2 */
+static inline void shooting_slope(const struct gd_parametric *surface, const double y[4], double out[4])
+{
+    struct gd_jet x;
+    shooting_jet(surface, y, &x);
+    struct gd_vec3 a = gd_vec3_scale(x.uu, y[2] * y[2]);
+    a = gd_vec3_along(a, 2 * y[2] * y[3], x.uv);
+    a = gd_vec3_along(a, y[3] * y[3], x.vv);
+    double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v), g = gd_vec3_dot(x.v, x.v);
+    double p = gd_vec3_dot(x.u, a), q = gd_vec3_dot(x.v, a), det = e * g - f * f;
+    out[0] = y[2], out[1] = y[3];
+    out[2] = -(g * p - f * q) / det;
+    out[3] = -(e * q - f * p) / det;
+}
+
+/* One step of length h; returns the error estimate in (u, v) and their slopes. */
+static inline double shooting_step(const struct gd_parametric *surface, const double y[4], double h, double out[4])
+{
+    static const double a[7][6] = {{0},
+                                   {1. / 5},
+                                   {3. / 40, 9. / 40},
+                                   {44. / 45, -56. / 15, 32. / 9},
+                                   {19372. / 6561, -25360. / 2187, 64448. / 6561, -212. / 729},
+                                   {9017. / 3168, -355. / 33, 46732. / 5247, 49. / 176, -5103. / 18656},
+                                   {35. / 384, 0, 500. / 1113, 125. / 192, -2187. / 6784, 11. / 84}};
+    static const double e[7] = {71. / 57600, 0, -71. / 16695, 71. / 1920, -17253. / 339200, 22. / 525, -1. / 40};
+    double k[7][4], error = 0;
+    for (int s = 0; s < 7; s++) {
+        double at[4];
+        memcpy(at, y, sizeof at);
+        for (int j = 0; j < s; j++)
+            for (int c = 0; c < 4; c++) at[c] += h * a[s][j] * k[j][c];
+        if (s == 6) memcpy(out, at, sizeof at);
+        shooting_slope(surface, at, k[s]);
+    }
+    for (int c = 0; c < 4; c++) {
+        double sum = 0;
+        for (int s = 0; s < 7; s++) sum += h * e[s] * k[s][c];
+        error = fmax(error, fabs(sum));
+    }
+    return error;
+}
+
+/* Where the geodesic of a length ends that leaves `from` with the unit tangent cos(angle) e1 + sin(angle) e2, e1 along x_u. */
+static inline void shoot(const struct gd_parametric *surface, const double from[2], double angle, double length,
+                         double to[2], double velocity[2])
+{
+    struct gd_jet x;
+    shooting_jet(surface, from, &x);
+    double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v), g = gd_vec3_dot(x.v, x.v), w = sqrt(e * g - f * f);
+    double y[4] = {from[0], from[1], cos(angle) / sqrt(e) - sin(angle) * f / (w * sqrt(e)), sin(angle) * sqrt(e) / w};
+    double done = 0, h = length / 64; /* h: the next step */
+    for (int i = 0; i < 200000 && done < length; i++) {
+        double next[4] = {0}, step = fmin(h, length - done);
+        double error = shooting_step(surface, y, step, next);
+        double scale = error > 0 ? 0.9 * pow(shooting_tolerance / error, 0.2) : 4;
+        if (error <= shooting_tolerance || step < 1e-14 * length) {
+            memcpy(y, next, sizeof y);
+            done += step;
+        }
+        h = step * fmin(fmax(scale, 0.2), 4);
+    }
+    to[0] = y[0], to[1] = y[1];
+    velocity[0] = y[2], velocity[1] = y[3];
+}
+
+/* Newton's method on angle and length; false: it did not arrive. */
+static inline bool shoot_at(const struct gd_parametric *surface, const double from[2], const double target[2],
+                            double *angle, double *length)
+{
+    for (int i = 0; i < 12; i++) {
+        double at[2], turned[2], longer[2], velocity[2], unused[2], d = 1e-6;
+        shoot(surface, from, *angle, *length, at, velocity);
+        double r[2] = {at[0] - target[0], at[1] - target[1]};
+        struct gd_jet x;
+        shooting_jet(surface, at, &x);
+        struct gd_vec3 miss = gd_vec3_along(gd_vec3_scale(x.u, r[0]), r[1], x.v);
+        if (gd_vec3_length(miss) <= 1e-8 * *length) {
+            /* what is left along the path is length, what is left across counts by its square */
+            struct gd_vec3 t = gd_vec3_along(gd_vec3_scale(x.u, velocity[0]), velocity[1], x.v);
+            *length -= gd_vec3_dot(miss, t);
+            return true;
+        }
+        shoot(surface, from, *angle + d, *length, turned, unused);
+        shoot(surface, from, *angle, *length * (1 + d), longer, unused);
+        double a = (turned[0] - at[0]) / d, b = (longer[0] - at[0]) / (d * *length);
+        double c = (turned[1] - at[1]) / d, e = (longer[1] - at[1]) / (d * *length), det = a * e - b * c;
+        *angle -= (e * r[0] - b * r[1]) / det;
+        *length -= (a * r[1] - c * r[0]) / det;
+    }
+    return false;
+}
+
+/* Angle of a path's first leg, from two of its places in the domain. */
+static inline double shooting_angle(const struct gd_parametric *surface, const double from[2], const double next[2])
+{
+    struct gd_jet x;
+    shooting_jet(surface, from, &x);
+    struct gd_vec3 t = gd_vec3_along(gd_vec3_scale(x.u, next[0] - from[0]), next[1] - from[1], x.v);
+    double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v);
+    struct gd_vec3 e2 = gd_vec3_along(x.v, -f / e, x.u);
+    return atan2(gd_vec3_dot(t, e2) / gd_vec3_length(e2), gd_vec3_dot(t, x.u) / sqrt(e));
+}
+
+#endif

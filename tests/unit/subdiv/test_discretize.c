@@ -1,0 +1,151 @@
+#include "tests/unit/subdiv/surfaces.h"
+
+#include "gd/discretization.h"
+#include "gd/mesh.h"
+
+static struct gd_discretization fine_of(const struct gd_subdivision *surface, uint32_t level, double tolerance)
+{
+    struct gd_discretization fine = {0};
+    struct gd_detail detail = {0};
+    struct gd_discretize_options options = {.level = level, .tolerance = tolerance};
+    check_ok(gd_discretize(surface, &options, NULL, &fine, &detail), &detail);
+    return fine;
+}
+
+/* Every vertex is where evaluation says that its place is, and so is its normal. */
+static void check_places(const struct gd_subdivision *surface, const struct gd_discretization *fine,
+                         double normal_tolerance)
+{
+    uint32_t count = fine->polygons.position_count;
+    struct gd_limit_jet *jets = malloc(count * sizeof *jets);
+    check_ok(gd_limit_evaluate_many(surface, fine->places, count, NULL, jets, NULL), NULL);
+    for (uint32_t i = 0; i < count; i++) {
+        const double *p = fine->polygons.positions[i];
+        check_near(jets[i].position, p[0], p[1], p[2], 1e-13);
+        check_near(fine->normals[i], jets[i].normal.x, jets[i].normal.y, jets[i].normal.z, normal_tolerance);
+    }
+    free(jets);
+}
+
+/* A mesh: closed or with the boundaries that the control mesh has, no cracks. */
+static void check_mesh(const struct gd_discretization *fine, int64_t euler, uint32_t loops)
+{
+    struct gd_mesh *mesh = test_mesh(&fine->polygons);
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    assert_int_equal(summary->flipped_faces, 0);
+    assert_int_equal(summary->euler_characteristic, euler);
+    assert_int_equal(summary->boundaries, loops);
+    gd_mesh_release(mesh);
+}
+
+static void levels(void **state)
+{
+    (void)state;
+    static const char *const tags[] = {"", "t crease 4/1/0 4 5 7 6 2.5\n", "t crease 2/1/0 4 5 10\n"};
+    char text[1024];
+    for (int k = 0; k < 3; k++) {
+        snprintf(text, sizeof text, "%s%s", CUBE, tags[k]);
+        struct gd_subdivision *cube = surface_from(text, GD_SCHEME_CATMULL_CLARK);
+        for (uint32_t level = 0; level < 5; level++) {
+            struct gd_discretization fine = fine_of(cube, level, 0);
+            assert_int_equal(fine.polygons.polygon_count, 12u << 2 * level);
+            check_places(cube, &fine, 1e-9);
+            check_mesh(&fine, 2, 0);
+            gd_discretization_free(&fine);
+        }
+        gd_subdivision_release(cube);
+    }
+    struct gd_subdivision *octahedron = surface_from(OCTAHEDRON, GD_SCHEME_LOOP);
+    for (uint32_t level = 0; level < 5; level++) {
+        struct gd_discretization fine = fine_of(octahedron, level, 0);
+        assert_int_equal(fine.polygons.polygon_count, 8u << 2 * level);
+        check_places(octahedron, &fine, 1e-9);
+        check_mesh(&fine, 2, 0);
+        gd_discretization_free(&fine);
+    }
+    gd_subdivision_release(octahedron);
+}
+
+/* The triangles' middles are as near to the surface as was asked. */
+static void check_tolerance(const struct gd_subdivision *surface, double tolerance)
+{
+    struct gd_discretization fine = fine_of(surface, 0, tolerance);
+    const struct gd_polygons *p = &fine.polygons;
+    double worst = 0;
+    for (uint32_t i = 0; i < p->polygon_count; i += p->polygon_count / 1500 + 1) {
+        struct gd_vec3 middle = {0};
+        for (int k = 0; k < 3; k++) {
+            const double *q = p->positions[p->corners[3 * i + k]];
+            middle = gd_vec3_along(middle, 1.0 / 3, (struct gd_vec3){q[0], q[1], q[2]});
+        }
+        struct gd_limit_foot foot;
+        check_ok(gd_limit_nearest(surface, middle, NULL, &foot, NULL), NULL);
+        worst = fmax(worst, foot.distance);
+    }
+    print_message("# tolerance %g: %u triangles, off by %.2g\n", tolerance, p->polygon_count, worst);
+    assert_true(worst <= tolerance && worst > tolerance / 20);
+    check_places(surface, &fine, 1e-9);
+    check_mesh(&fine, 2, 0);
+    gd_discretization_free(&fine);
+}
+
+static void tolerances(void **state)
+{
+    (void)state;
+    struct gd_subdivision *surface = surface_from(CUBE "t crease 4/1/0 4 5 7 6 2.5\n", GD_SCHEME_CATMULL_CLARK);
+    check_tolerance(surface, 0.01);
+    check_tolerance(surface, 0.0005);
+    gd_subdivision_release(surface);
+    surface = surface_from(OCTAHEDRON "t crease 3/1/0 0 1 2 10\n", GD_SCHEME_LOOP);
+    check_tolerance(surface, 0.01);
+    check_tolerance(surface, 0.0005);
+    gd_subdivision_release(surface);
+}
+
+/* A real control mesh with boundaries and triangles. Volumes' differences fall by 4 a level. */
+static void real_mesh(void **state)
+{
+    (void)state;
+    struct gd_subdivision *surface = surface_from_file("../shared/meshes/suzanne.obj", GD_SCHEME_CATMULL_CLARK);
+    if (!surface) {
+        print_message("# ../shared/meshes/suzanne.obj is not here: skipped\n");
+        return;
+    }
+    struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
+    int64_t euler = (int64_t)summary.vertex_count - summary.edge_count + summary.face_count;
+    struct gd_discretization fine = fine_of(surface, 2, 0);
+    check_places(surface, &fine, 1e-9);
+    check_mesh(&fine, euler, summary.boundary_loops);
+    gd_discretization_free(&fine);
+    fine = fine_of(surface, 0, 0.003);
+    check_places(surface, &fine, 1e-9);
+    check_mesh(&fine, euler, summary.boundary_loops);
+    gd_discretization_free(&fine);
+    assert_int_equal(gd_discretize(surface, NULL, NULL, &fine, NULL), GD_INVALID_ARGUMENT);
+    gd_subdivision_release(surface);
+}
+
+static void refusals(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
+    struct gd_discretization fine;
+    struct gd_discretize_options deep = {.level = 13}, wrong = {.tolerance = -1},
+                                 many = {.level = 5, .max_faces = 1000}, tiny = {.tolerance = 1e-9},
+                                 usual = {.level = 7};
+    struct gd_control small = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
+    assert_int_equal(gd_discretize(cube, &deep, NULL, &fine, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_discretize(cube, &wrong, NULL, &fine, NULL), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_discretize(cube, &many, NULL, &fine, NULL), GD_TOO_LARGE);
+    assert_int_equal(gd_discretize(cube, &tiny, NULL, &fine, NULL), GD_TOO_LARGE);
+    assert_int_equal(gd_discretize(cube, &usual, &small, &fine, NULL), GD_BUDGET);
+    assert_int_equal(gd_discretize(cube, &usual, &late, &fine, NULL), GD_DEADLINE);
+    gd_subdivision_release(cube);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(levels), cmocka_unit_test(tolerances),
+                                       cmocka_unit_test(real_mesh), cmocka_unit_test(refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,103 @@
+#include "tests/unit/subdiv/surfaces.h"
+
+static void check_refused(const char *text, enum gd_scheme scheme, enum gd_status expected, const char *words)
+{
+    struct gd_control_mesh mesh;
+    struct gd_detail detail = {0};
+    enum gd_status status = gd_read_control_mesh(text, strlen(text), GD_FORMAT_OBJ, NULL, &mesh, &detail);
+    struct gd_subdivision *surface = NULL;
+    if (!status) {
+        status = gd_subdivision_create(&mesh, scheme, NULL, &surface, &detail);
+        gd_control_mesh_free(&mesh);
+    }
+    if (status != expected)
+        fail_msg("%s instead of %s: %s", gd_status_name(status), gd_status_name(expected), detail.text);
+    if (!strstr(detail.text, words)) fail_msg("'%s' doesn't say '%s'", detail.text, words);
+    assert_null(surface);
+}
+
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nv 9 9 9\nf 1 2 3 4\n"
+
+static void refused_by_name(void **state)
+{
+    (void)state;
+    const enum gd_scheme quads = GD_SCHEME_CATMULL_CLARK;
+    check_refused(SQUARE "f 2 5 6 6\n", quads, GD_DEGENERATE_FACE, "face 1 has one vertex twice");
+    check_refused(SQUARE "f 2 5 6 3\nf 3 2 7\n", quads, GD_NON_MANIFOLD_EDGE, "vertices 1 and 2 belongs to 3 faces");
+    check_refused(SQUARE "f 2 3 6 5\n", quads, GD_NON_ORIENTABLE, "faces 0 and 1 run along");
+    check_refused(SQUARE "f 3 5 6\n", quads, GD_NON_MANIFOLD_VERTEX, "around vertex 2");
+    check_refused(SQUARE, GD_SCHEME_LOOP, GD_NOT_TRIANGLES, "face 0 has 4 corners");
+    check_refused(SQUARE "t crease 2/1/0 0 2 1\n", quads, GD_NO_SUCH_EDGE, "vertices 0 and 2, which share no edge");
+    check_refused(SQUARE "t crease 2/1/0 0 1 -1\n", quads, GD_INVALID_ARGUMENT, "sharpness -1");
+    check_refused(SQUARE "t crease 2/1/0 0 1 nan\n", quads, GD_INVALID_ARGUMENT, "sharpness");
+    check_refused(SQUARE "t corner 1/1/0 6 2\n", quads, GD_UNREFERENCED_VERTEX, "vertex 6");
+    check_refused(SQUARE "t corner 1/1/0 7 2\n", quads, GD_INDEX, "counted from 0 to 6");
+    check_refused(SQUARE "t interpolateboundary 1/0/0 0\n", quads, GD_UNSUPPORTED, "boundary rule");
+    check_refused(SQUARE "t hole 1/0/0 0\n", quads, GD_UNSUPPORTED, "'hole'");
+    check_refused(SQUARE "t crease 2/3/0 0 1 1 1 1\n", quads, GD_SYNTAX, "one sharpness");
+    check_refused(SQUARE "t crease 2 0 1 1\n", quads, GD_SYNTAX, "2/1/0");
+    check_refused(SQUARE "t crease 999999999/1/0 0 1 1\n", quads, GD_TRUNCATED, "do not follow");
+    check_refused("v 0 0 0\n", quads, GD_EMPTY, "");
+    struct gd_control_mesh none = {0};
+    struct gd_subdivision *surface;
+    assert_int_equal(gd_subdivision_create(&none, quads, NULL, &surface, NULL), GD_EMPTY);
+}
+
+static void summaries(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube =
+        surface_from(CUBE "t crease 3/1/0 4 5 7 2\nt corner 1/1/0 0 3\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision_summary summary = gd_subdivision_summary(cube);
+    assert_int_equal(summary.vertex_count, 8);
+    assert_int_equal(summary.edge_count, 12);
+    assert_int_equal(summary.face_count, 6);
+    assert_int_equal(summary.crease_edges, 2);
+    assert_int_equal(summary.corner_vertices, 1);
+    assert_int_equal(summary.boundary_edges, 0);
+    assert_int_equal(summary.extraordinary_count, 1);
+    assert_int_equal(summary.extraordinary[0].valence, 3);
+    assert_int_equal(summary.extraordinary[0].count, 8);
+    assert_true(gd_subdivision_memsize(cube) > 1000);
+    struct gd_subdivision *shared = gd_subdivision_retain(cube);
+    gd_subdivision_release(cube);
+    assert_int_equal(gd_subdivision_scheme(shared), GD_SCHEME_CATMULL_CLARK);
+    gd_subdivision_release(shared);
+    gd_subdivision_release(NULL);
+
+    struct gd_control_mesh mesh;
+    make_sheet(3, true, &mesh);
+    struct gd_subdivision *sheet = surface_of(&mesh, GD_SCHEME_LOOP);
+    summary = gd_subdivision_summary(sheet);
+    assert_int_equal(summary.boundary_edges, 12);
+    assert_int_equal(summary.boundary_loops, 1);
+    assert_int_equal(summary.extraordinary_count, 0);
+    gd_subdivision_release(sheet);
+    gd_control_mesh_free(&mesh);
+}
+
+/* Tags of a file: chains, one sharpness or one each, and what is skipped. */
+static void tags(void **state)
+{
+    (void)state;
+    static const char text[] = CUBE "t crease 3/2/0 4 5 7 2.5 10\nt crease 2/1/0 0 1 1\nt corner 2/1/0 3 4 7\n"
+                                    "t facevaryinginterpolateboundary 1/0/0 3\nt interpolateboundary 1/0/0 2 # edges\n";
+    struct gd_control_mesh mesh;
+    struct gd_detail detail = {0};
+    check_ok(gd_read_control_mesh(text, sizeof text - 1, GD_FORMAT_ANY, NULL, &mesh, &detail), &detail);
+    assert_int_equal(mesh.crease_count, 3);
+    assert_int_equal(mesh.creases[1].vertices[0], 5);
+    assert_int_equal(mesh.creases[1].vertices[1], 7);
+    assert_true(mesh.creases[0].sharpness == 2.5 && mesh.creases[1].sharpness == 10 && mesh.creases[2].sharpness == 1);
+    assert_int_equal(mesh.corner_count, 2);
+    assert_true(mesh.corners[1].vertex == 4 && mesh.corners[1].sharpness == 7 && mesh.corners[0].sharpness == 7);
+    assert_int_equal(mesh.boundary, GD_INTERPOLATE_EDGE_ONLY);
+    gd_control_mesh_free(&mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(refused_by_name), cmocka_unit_test(summaries),
+                                       cmocka_unit_test(tags)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
