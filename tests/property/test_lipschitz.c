@@ -1,5 +1,5 @@
 /* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data structures": for any set A
- * |d_A(x) - d_A(y)| <= d(x, y). Random sets with offsets, at random points inside faces, on every mesh of the folder named by
+ * |d_A(x) - d_A(y)| <= d(x, y). Random sets of points and a curve, with offsets, at random points inside faces, on every mesh of the folder named by
  * GEODESICD_SHARED, or ../shared beside the project; skipped elsewhere.
  *
  * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x, member) is the least of functions that obey the law. */
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "gd/field.h"
+#include "gd/curve.h"
 #include "gd/io.h"
 #include "gd/query.h"
 #include "tests/support/test.h"
@@ -74,19 +74,37 @@ static struct gd_point random_point(const struct gd_mesh *mesh, struct gd_face f
     return point;
 }
 
+/* The shortest path between two points of one component; between others the first point alone. */
+static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
+{
+    struct gd_point ends[2];
+    for (int i = 0; i < 2; i++) ends[i] = random_point(mesh, random_face(mesh, rng), rng);
+    bool joined = gd_point_component(mesh, &ends[0]) == gd_point_component(mesh, &ends[1]);
+    struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = ends, .count = joined ? 2 : 1};
+    struct gd_curve curve;
+    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    return curve;
+}
+
 static struct gd_field *random_set(const struct gd_mesh *mesh, struct rng *rng)
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
     double diagonal = gd_vec3_distance(summary->min, summary->max);
-    struct gd_seed seeds[MOST_MEMBERS];
-    struct gd_field_request request = {.seeds = seeds, .seed_count = 1 + rng_below(rng, MOST_MEMBERS)};
+    struct gd_curve curve = random_curve(mesh, rng);
+    uint32_t points = rng_below(rng, MOST_MEMBERS), count = points + gd_curve_seed_count(&curve);
+    struct gd_seed *seeds = calloc(count, sizeof *seeds);
+    struct gd_field_request request = {.seeds = seeds, .seed_count = count};
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    for (uint32_t i = 0; i < request.seed_count; i++) {
+    assert_non_null(seeds);
+    for (uint32_t i = 0; i < points; i++) {
         seeds[i].point = random_point(mesh, random_face(mesh, rng), rng);
         seeds[i].offset = rng_below(rng, 2) ? rng_between(rng, 0, 0.1 * diagonal) : 0;
     }
+    gd_curve_seeds(&curve, rng_between(rng, 0, 0.05 * diagonal), seeds + points);
     check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
+    gd_curve_free(&curve);
+    free(seeds);
     return field;
 }
 
