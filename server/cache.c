@@ -79,7 +79,7 @@ static const struct server_cached *find(struct server_shelf *shelf, const struct
 {
     struct server_cache *cache = shelf->cache;
     pthread_mutex_lock(&cache->lock);
-    struct server_entry *entry = server_shelf_find(shelf, key);
+    struct server_entry *entry = server_shelf_find_covering(shelf, key);
     if (entry) {
         atomic_fetch_add(&entry->references, 1);
         server_eviction_use(&cache->eviction, &entry->worth);
@@ -115,10 +115,8 @@ void server_cache_drop(struct server_shelf *shelf, const struct gd_field_request
     struct server_field_key key = server_field_key_of(request);
     pthread_mutex_lock(&cache->lock);
     struct server_entry *entry = server_shelf_find(shelf, &key);
-    if (entry) {
-        server_eviction_remove(&cache->eviction, &entry->worth);
-        server_shelf_remove(entry);
-    }
+    if (entry && entry->slot.key.radius != key.radius) entry = NULL;
+    if (entry) server_shelf_withdraw(entry);
     pthread_mutex_unlock(&cache->lock);
     if (entry) server_entry_release(entry);
 }
@@ -134,12 +132,12 @@ void server_cache_note(struct server_shelf *shelf, const struct gd_point *point)
     pthread_mutex_unlock(&shelf->cache->lock);
 }
 
-/* AGAIN or WAIT if the field is there or on its way; else SEARCH. */
+/* AGAIN or WAIT if the field is there or on its way, or one is that it can be resumed from; else SEARCH. */
 static enum server_cache_turn board(struct server_shelf *shelf, const struct server_field_key *key,
                                     struct server_job *job)
 {
     struct server_cache *cache = shelf->cache;
-    if (server_shelf_find(shelf, key)) return SERVER_CACHE_AGAIN;
+    if (server_shelf_find_covering(shelf, key)) return SERVER_CACHE_AGAIN;
     struct server_flight *flight = server_flights_find(&cache->flights, shelf, key);
     if (!flight) return SERVER_CACHE_SEARCH;
     server_flight_park(flight, job);
@@ -179,12 +177,28 @@ enum server_cache_turn server_cache_claim(struct server_shelf *shelf, const stru
     struct server_field_key key = server_field_key_of(request);
     pthread_mutex_lock(&shelf->cache->lock);
     const struct server_failure *failure = &shelf->failure;
-    bool has_failed = failure->hash == key.hash && gd_now_ns() < failure->until_ns;
+    const struct server_field_key failed = {.hash = failure->hash, .radius = failure->radius};
+    bool has_failed =
+        failed.hash == key.hash && server_field_key_covers(&key, &failed) && gd_now_ns() < failure->until_ns;
     enum server_cache_turn turn = board(shelf, &key, job);
     if (turn == SERVER_CACHE_SEARCH && !has_failed) turn = start(shelf, &key, flight);
     if (turn == SERVER_CACHE_SEARCH) *why = has_failed ? failure->status : GD_NO_MEMORY;
     pthread_mutex_unlock(&shelf->cache->lock);
     return turn;
+}
+
+const struct server_cached *server_cache_find_nearer(struct server_flight *flight)
+{
+    struct server_cache *cache = flight->shelf->cache;
+    pthread_mutex_lock(&cache->lock);
+    struct server_entry *entry = server_shelf_find(flight->shelf, &flight->key);
+    if (entry && server_field_key_covers(&entry->slot.key, &flight->key)) entry = NULL;
+    if (entry) {
+        atomic_fetch_add(&entry->references, 1);
+        cache->statistics.resumed++;
+    }
+    pthread_mutex_unlock(&cache->lock);
+    return entry ? &entry->cached : NULL;
 }
 
 bool server_cache_is_awaited(struct server_flight *flight)
@@ -208,15 +222,22 @@ static void disperse(struct server_flight *flight)
     server_shelf_release(shelf);
 }
 
+/* Only the whole field of a point answers what was counted. */
+static void forget(struct server_flight *flight)
+{
+    if (flight->key.radius == 0) server_recent_forget(&flight->shelf->recent, flight->key.hash);
+}
+
 const struct server_cached *server_cache_land(struct server_flight *flight, struct gd_field *field)
 {
     struct server_cache *cache = flight->shelf->cache;
     struct server_entry *entry = server_entry_create(flight->shelf, &flight->key, field);
     pthread_mutex_lock(&cache->lock);
     server_flights_end(&cache->flights, flight);
-    server_recent_forget(&flight->shelf->recent, flight->key.hash);
-    server_shelf_put(entry); /* without memory it lives as long as its pins */
+    forget(flight);
+    struct server_entry *replaced = server_shelf_put(entry); /* without memory it lives as long as its pins */
     pthread_mutex_unlock(&cache->lock);
+    if (replaced) server_entry_release(replaced);
     disperse(flight);
     return entry ? &entry->cached : NULL;
 }
@@ -235,8 +256,9 @@ void server_cache_restore(struct server_shelf *shelf, struct gd_field *field)
     struct server_entry *entry = server_entry_create(shelf, &key, field);
     if (!entry) return;
     pthread_mutex_lock(&cache->lock);
-    server_shelf_put(entry);
+    struct server_entry *replaced = server_shelf_put(entry);
     pthread_mutex_unlock(&cache->lock);
+    if (replaced) server_entry_release(replaced);
     server_entry_release(entry);
 }
 
@@ -248,8 +270,9 @@ void server_cache_fail(struct server_flight *flight, enum gd_status status)
     pthread_mutex_lock(&cache->lock);
     server_flights_end(&cache->flights, flight);
     if (!is_worth_another) {
-        server_recent_forget(&shelf->recent, flight->key.hash);
-        shelf->failure = (struct server_failure){flight->key.hash, gd_now_ns() + FAILURE_NS, status};
+        forget(flight);
+        shelf->failure =
+            (struct server_failure){flight->key.hash, gd_now_ns() + FAILURE_NS, flight->key.radius, status};
     }
     pthread_mutex_unlock(&cache->lock);
     disperse(flight);

@@ -11,10 +11,13 @@
  *     }
  *     server_cache_unpin(hit);
  *
- * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns, each under its request (field_key.h): the
- * whole field of one point, without an offset, is the one that pairs of points are answered from too. A field that is being
- * built is a *flight*: it has one builder and a list of parked jobs that wait for it (flights.h). When it lands, the field
- * stands on the shelf and the parked jobs are resumed to look again.
+ * DESIGN. The fields of one mesh stand on a *shelf*, which the mesh's surface owns, each under the seeds of its request
+ * (field_key.h): of the same seeds the one that reaches farthest, which answers all requests that reach no farther. One that
+ * is to reach farther is resumed from it and takes its place. The whole field of one point, without an offset, is the one
+ * that pairs of points are answered from too. A field that is being built is a *flight*: it has one builder and a list of
+ * parked jobs that wait for it (flights.h). When it lands, the field stands on the shelf and the parked jobs are resumed to
+ * look again: those that want it, and those that want a farther one, which is resumed from it. Who wants a nearer one builds
+ * it meanwhile, as that may be done much sooner.
  *
  * What is built: what a client claims; and for pairs, since a field costs as much as 10 to 100 searches for single pairs, and
  * much memory, the field of a point once SERVER_CACHE_SEARCHES questions about it found none (recent.h): so the searches
@@ -70,13 +73,13 @@ void server_cache_restore(struct server_shelf *shelf, struct gd_field *field);
 /* Fields on the shelf. */
 uint32_t server_shelf_count(struct server_shelf *shelf);
 
-/* The field of this request, which has no target, or the whole field of this point; pinned and counted as used, or NULL.
- * Tens of nanoseconds, and some for each seed. */
+/* A field of this request's seeds, which has no target, that reaches as far or farther (gd_field_within is for who is to know no
+ * more), or the whole field of this point; pinned and counted as used, or NULL. Tens of nanoseconds, and some for each seed. */
 const struct server_cached *server_cache_find_field(struct server_shelf *shelf, const struct gd_field_request *request);
 const struct server_cached *server_cache_find(struct server_shelf *shelf, const struct gd_point *source);
 void server_cache_unpin(const struct server_cached *cached); /* NULL is harmless */
 
-/* Takes the field of this request off the shelf, if it is there; pins stay valid. */
+/* Takes the field of this request off the shelf, if it is there and reaches no farther; pins stay valid. */
 void server_cache_drop(struct server_shelf *shelf, const struct gd_field_request *request);
 
 #define SERVER_CACHE_SEARCHES 16 /* the mean search takes about a 16th of the whole field, see doc/003 */
@@ -97,6 +100,9 @@ enum server_cache_turn server_cache_enter(struct server_shelf *shelf, const stru
 enum server_cache_turn server_cache_claim(struct server_shelf *shelf, const struct gd_field_request *request,
                                           struct server_job *job, struct server_flight **flight, enum gd_status *why);
 
+/* The field that the flight's can be resumed from, pinned; NULL: there is none. */
+const struct server_cached *server_cache_find_nearer(struct server_flight *flight);
+
 /* True when other jobs wait for the flight: its builder goes on even if its own client went away. */
 bool server_cache_is_awaited(struct server_flight *flight);
 
@@ -114,7 +120,7 @@ void server_cache_fail(struct server_flight *flight, enum gd_status status);
 void server_cache_expire(struct server_cache *cache, uint64_t now_ns);
 
 struct server_cache_statistics {
-    uint64_t hits, misses, builds, waits, evictions, fields;
+    uint64_t hits, misses, builds, resumed, waits, evictions, fields;
 };
 struct server_cache_statistics server_cache_statistics(struct server_cache *cache);
 

@@ -20,9 +20,10 @@ struct server_entry {
     struct server_evictable worth; /* its bytes stay in the budget until the last reference goes */
 };
 
-/* A build that failed. Who waited for it learns so, instead of trying it in his turn. */
+/* A build that failed. Who waited for it, or wants a field that reaches as far, learns so instead of trying it in his turn. */
 struct server_failure {
     uint64_t hash, until_ns;
+    double radius; /* 0: no limit */
     enum gd_status status;
 };
 
@@ -64,11 +65,19 @@ static inline struct server_entry *server_entry_of(struct server_evictable *wort
 
 /* --- a shelf under the lock, shelf.c ------------------------------------------------------------------------------ */
 
+/* The entry of that key, which may reach less far; */
 struct server_entry *server_shelf_find(const struct server_shelf *shelf, const struct server_field_key *key);
 
+/* that reaches as far at least. */
+struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf, const struct server_field_key *key);
+
 /* Puts an entry (NULL: there is none) on its shelf and in the order of eviction, with one more reference for it, unless the shelf is closed
- * or has one of that key, or there is no memory. */
-void server_shelf_put(struct server_entry *entry);
+ * or has one of that key that reaches as far, or there is no memory. Returns the entry whose place and uses it took, for the caller to
+ * release after the lock; or NULL. */
+GD_MUST_USE struct server_entry *server_shelf_put(struct server_entry *entry);
+
+/* Takes an entry off its shelf and out of the order; the shelf's reference is the caller's to release after the lock. */
+void server_shelf_withdraw(struct server_entry *entry);
 
 /* Takes an entry that left the order off its shelf; the shelf's reference is the caller's to release after the lock. */
 void server_shelf_remove(struct server_entry *entry);

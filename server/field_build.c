@@ -1,6 +1,7 @@
 /* See field_build.h. */
 #include "server/field_build.h"
 
+#include "server/cache.h"
 #include "server/call.h"
 #include "server/team.h"
 
@@ -15,6 +16,7 @@ size_t server_field_build_grant(const struct gd_mesh *mesh)
 struct build {
     const struct gd_mesh *mesh;
     struct gd_field_request request;
+    const struct gd_field *nearer; /* to be resumed; or NULL */
     const struct gd_executor *executor;
     struct gd_field **out;
 };
@@ -23,22 +25,45 @@ static enum gd_status build(void *user, const struct gd_control *control, size_t
 {
     struct build *wanted = user;
     enum gd_status status =
-        gd_field_build(wanted->mesh, &wanted->request, control, wanted->executor, wanted->out, NULL);
+        wanted->nearer
+            ? gd_field_resume(wanted->nearer, wanted->request.radius, control, wanted->executor, wanted->out, NULL)
+            : gd_field_build(wanted->mesh, &wanted->request, control, wanted->executor, wanted->out, NULL);
     if (!status) *kept = gd_field_memsize(*wanted->out);
     return status;
 }
 
-enum gd_status server_field_build_request(struct server_monitor *part, const struct gd_mesh *mesh,
-                                          const struct gd_field_request *request, struct gd_field **out)
+/* Of a field that was resumed, what came to the nearer one's. */
+static uint64_t count_windows(const struct build *built)
+{
+    uint64_t all = gd_field_statistics(*built->out)->windows_propagated;
+    uint64_t before = built->nearer ? gd_field_statistics(built->nearer)->windows_propagated : 0;
+    return all > before ? all - before : 0;
+}
+
+static enum gd_status call(struct server_monitor *part, struct build *wanted)
 {
     struct server *server = part->exchange->server;
     struct server_team *team = server_team_call(server->workers, part->exchange->job.deadline_ns);
-    struct build wanted = {.mesh = mesh, .request = *request, .executor = server_team_executor(team), .out = out};
+    wanted->executor = server_team_executor(team);
     const struct server_call call = {.make = build,
-                                     .user = &wanted,
+                                     .user = wanted,
                                      .control = server_exchange_control(part),
-                                     .grant = server_field_build_grant(mesh)};
+                                     .grant = server_field_build_grant(wanted->mesh)};
     enum gd_status status = server_call_make(server, &call);
     server_team_dismiss(team);
+    if (!status) server_metrics_count_windows(server->metrics, count_windows(wanted));
     return status;
+}
+
+/* Where there is no room beside the nearer field, or rounding has spoilt it, the farther one is built from its seeds. */
+enum gd_status server_field_build_request(struct server_monitor *part, const struct gd_mesh *mesh,
+                                          const struct gd_field_request *request, struct gd_field **out)
+{
+    const struct server_cached *nearer = part->flight ? server_cache_find_nearer(part->flight) : NULL;
+    struct build wanted = {.mesh = mesh, .request = *request, .nearer = nearer ? nearer->field : NULL, .out = out};
+    enum gd_status status = call(part, &wanted);
+    server_cache_unpin(nearer);
+    if (!nearer || (status != GD_BUDGET && status != GD_INTERNAL)) return status;
+    wanted.nearer = NULL;
+    return call(part, &wanted);
 }

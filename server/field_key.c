@@ -39,14 +39,14 @@ static bool is_same_seed(const struct gd_seed *a, const struct gd_seed *b)
 
 struct server_field_key server_field_key_of(const struct gd_field_request *request)
 {
-    uint64_t hash = mix_number(request->seed_count, request->radius);
+    uint64_t hash = request->seed_count;
     for (uint32_t i = 0; i < request->seed_count; i++) hash = mix_seed(hash, &request->seeds[i]);
     return (struct server_field_key){hash, request->radius, request->seed_count, request->seeds};
 }
 
 bool server_field_key_equal(const struct server_field_key *a, const struct server_field_key *b)
 {
-    if (a->hash != b->hash || a->radius != b->radius || a->seed_count != b->seed_count) return false;
+    if (a->hash != b->hash || a->seed_count != b->seed_count) return false;
     for (uint32_t i = 0; i < a->seed_count; i++)
         if (!is_same_seed(&a->seeds[i], &b->seeds[i])) return false;
     return true;

@@ -6,9 +6,13 @@
 struct server_flight *server_flights_find(const struct server_flights *flights, const struct server_shelf *shelf,
                                           const struct server_field_key *key)
 {
-    struct server_flight *flight = flights->first;
-    while (flight && !(flight->shelf == shelf && server_field_key_equal(&flight->key, key))) flight = flight->next;
-    return flight;
+    struct server_flight *found = NULL;
+    for (struct server_flight *flight = flights->first; flight; flight = flight->next) {
+        if (flight->shelf != shelf || !server_field_key_equal(&flight->key, key)) continue;
+        if (!server_field_key_covers(key, &flight->key)) continue;
+        if (!found || server_field_key_covers(&flight->key, &found->key)) found = flight;
+    }
+    return found;
 }
 
 struct server_flight *server_flights_start(struct server_flights *flights, struct server_shelf *shelf,

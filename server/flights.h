@@ -19,7 +19,7 @@ struct server_flights { /* all zero is none; as many as jobs can be queued or ru
     struct server_flight *first;
 };
 
-/* The flight of that key to that shelf, or NULL. */
+/* Of the flights to that shelf of that key, reaching no farther, the one that reaches farthest; or NULL. */
 struct server_flight *server_flights_find(const struct server_flights *flights, const struct server_shelf *shelf,
                                           const struct server_field_key *key);
 

@@ -151,10 +151,12 @@ static enum gd_status row_by_propagation(struct row *row)
     return server_call_make(row->monitor.exchange->server, &call);
 }
 
-/* False: the cache has no field of the row's point. */
+/* False: the cache has no field of the row's point that reaches far enough. */
 static bool row_from_cache(struct row *row, enum gd_status *status)
 {
-    const struct server_cached *cached = server_cache_find(row->matrix->surface->shelf, row->point);
+    struct gd_seed seed;
+    const struct gd_field_request request = request_of(row, &seed);
+    const struct server_cached *cached = server_cache_find_field(row->matrix->surface->shelf, &request);
     if (!cached) return false;
     struct gd_control control = control_of(row);
     *status = measure(row, cached->field, &control);

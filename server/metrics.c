@@ -41,7 +41,7 @@ struct server_metrics {
     const struct proto_route *routes;
     size_t route_count; /* cells are one more: the last is for requests that found no route */
     struct cell *shards[SHARDS];
-    atomic_uint_least64_t failed_checks, searches;
+    atomic_uint_least64_t failed_checks, searches, windows;
     atomic_uint_least64_t problems[PROBLEMS]; /* by code */
     uint64_t started_ns;
 };
@@ -123,6 +123,11 @@ bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status 
     bool has_failed = status == GD_INTERNAL || status == GD_RUNAWAY;
     if (has_failed) add(&metrics->failed_checks, 1);
     return has_failed;
+}
+
+void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows)
+{
+    add(&metrics->windows, windows);
 }
 
 void server_metrics_count_search(struct server_metrics *metrics)
@@ -254,6 +259,8 @@ static void write_cache(struct server *server, struct proto_writer *writer)
     write_one(writer, "cache_hits_total", "counter", "Look-ups that found a field of the source.", (double)cache.hits);
     write_one(writer, "cache_misses_total", "counter", "Look-ups that found none.", (double)cache.misses);
     write_one(writer, "cache_builds_total", "counter", "Fields that were begun.", (double)cache.builds);
+    write_one(writer, "cache_resumed_total", "counter",
+              "Of these, fields that had one of less reach to be resumed from.", (double)cache.resumed);
     write_one(writer, "cache_waits_total", "counter", "Requests that waited for a field that another was building.",
               (double)cache.waits);
     write_one(writer, "cache_evictions_total", "counter", "Fields evicted for room.", (double)cache.evictions);
@@ -265,6 +272,8 @@ static void write_searches(const struct server_metrics *metrics, struct server *
     struct server_landmarks_statistics landmarks = server_landmarks_statistics(server->landmarks);
     write_one(writer, "searches_total", "counter", "Pairs that were searched, no field being there.",
               (double)atomic_load(&metrics->searches));
+    write_one(writer, "field_windows_total", "counter", "Windows propagated for fields: the engine's work.",
+              (double)atomic_load(&metrics->windows));
     write_one(writer, "landmarks_built_total", "counter", "Meshes that landmarks were computed for.",
               (double)landmarks.built);
     write_one(writer, "landmarks_loaded_total", "counter", "Meshes whose landmarks were read from the store.",

@@ -29,6 +29,9 @@ void server_metrics_count_problem(struct server_metrics *metrics, enum proto_pro
 /* Counts what the engine answered, if that is a failed self-check, or work that ran away; true: it is. */
 bool server_metrics_count_status(struct server_metrics *metrics, enum gd_status status);
 
+/* Counts the windows that a field took to build. */
+void server_metrics_count_windows(struct server_metrics *metrics, uint64_t windows);
+
 /* Counts a search for a pair. */
 void server_metrics_count_search(struct server_metrics *metrics);
 

@@ -67,21 +67,39 @@ struct server_entry *server_shelf_find(const struct server_shelf *shelf, const s
     return entry_of_slot(server_field_table_find(&shelf->entries, key));
 }
 
+struct server_entry *server_shelf_find_covering(const struct server_shelf *shelf, const struct server_field_key *key)
+{
+    struct server_entry *entry = server_shelf_find(shelf, key);
+    return entry && server_field_key_covers(&entry->slot.key, key) ? entry : NULL;
+}
+
 void server_shelf_remove(struct server_entry *entry)
 {
     server_field_table_remove(&entry->shelf->entries, &entry->slot);
     entry->shelf->cache->statistics.fields--;
 }
 
-void server_shelf_put(struct server_entry *entry)
+void server_shelf_withdraw(struct server_entry *entry)
 {
-    if (!entry || entry->shelf->closed || server_shelf_find(entry->shelf, &entry->slot.key)) return;
+    server_eviction_remove(&entry->shelf->cache->eviction, &entry->worth);
+    server_shelf_remove(entry);
+}
+
+struct server_entry *server_shelf_put(struct server_entry *entry)
+{
+    if (!entry || entry->shelf->closed || server_shelf_find_covering(entry->shelf, &entry->slot.key)) return NULL;
     struct server_cache *cache = entry->shelf->cache;
-    if (!server_field_table_reserve(&entry->shelf->entries) || !server_eviction_reserve(&cache->eviction)) return;
+    if (!server_field_table_reserve(&entry->shelf->entries) || !server_eviction_reserve(&cache->eviction)) return NULL;
+    struct server_entry *nearer = server_shelf_find(entry->shelf, &entry->slot.key);
+    if (nearer) {
+        entry->worth.uses += nearer->worth.uses;
+        server_shelf_withdraw(nearer);
+    }
     atomic_fetch_add(&entry->references, 1);
     server_field_table_insert(&entry->shelf->entries, &entry->slot);
     server_eviction_insert(&cache->eviction, &entry->worth);
     cache->statistics.fields++;
+    return nearer;
 }
 
 /* --- the shelf ---------------------------------------------------------------------------------------------------- */
@@ -111,8 +129,7 @@ void server_shelf_close(struct server_shelf *shelf)
     for (uint32_t i = 0; i < shelf->entries.bucket_count; i++) {
         while (shelf->entries.buckets[i]) {
             struct server_entry *entry = entry_of_slot(shelf->entries.buckets[i]);
-            server_eviction_remove(&cache->eviction, &entry->worth);
-            server_shelf_remove(entry);
+            server_shelf_withdraw(entry);
             entry->next = removed;
             removed = entry;
         }

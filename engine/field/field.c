@@ -121,23 +121,29 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const str
     return GD_OK;
 }
 
-static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request, bool without_wedges,
-                                const struct gd_control *control, const struct gd_executor *executor)
+enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__propagation *propagation,
+                                   const struct gd_control *control, const struct gd_executor *executor)
 {
     uint64_t start = gd_now_ns();
-    const struct gd_mesh *mesh = field->mesh;
     struct gd__sink take = {.take = gd__field_take, .user = field};
-    enum gd_status status = copy_seeds(field, request);
-    struct gd__propagation propagation = {.seeds = field->seeds,
-                                          .seed_count = field->seed_count,
-                                          .radius = request->radius > 0 ? request->radius / mesh->unit : GD__FAR,
-                                          .target = request->target,
-                                          .without_wedges = without_wedges};
-    if (!status) status = gd__wavefront_run(mesh, &propagation, &take, control, executor);
+    enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control, executor);
     if (!status) status = check_edges(field);
     field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
     return status;
+}
+
+static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request, bool without_wedges,
+                                const struct gd_control *control, const struct gd_executor *executor)
+{
+    enum gd_status status = copy_seeds(field, request);
+    if (status) return status;
+    struct gd__propagation propagation = {.seeds = field->seeds,
+                                          .seed_count = field->seed_count,
+                                          .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
+                                          .target = request->target,
+                                          .without_wedges = without_wedges};
+    return gd__field_propagate(field, &propagation, control, executor);
 }
 
 static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request, bool without_wedges,
@@ -207,10 +213,45 @@ void gd_field_release(const struct gd_field *field)
     struct gd_field *shared = (struct gd_field *)field;
     if (!shared || atomic_fetch_sub_explicit(&shared->references, 1, memory_order_acq_rel) > 1) return;
     gd_mesh_release(shared->mesh);
-    if (!shared->is_image) free_arrays(shared);
+    if (!shared->is_image && !shared->shown) free_arrays(shared);
     if (shared->release_image) shared->release_image(shared->image_user);
-    free(shared->face_seeds);
+    if (!shared->shown) free(shared->face_seeds);
+    gd_field_release(shared->shown);
     free(shared);
+}
+
+/* Everything but the reach, and what frees it. */
+static void share(struct gd_field *to, const struct gd_field *from)
+{
+    to->shown = gd_field_retain(from);
+    to->distance = from->distance;
+    to->birth = from->birth;
+    to->newest = from->newest;
+    to->wedges = from->wedges;
+    to->wedge_bytes = from->wedge_bytes;
+    to->seeds = from->seeds;
+    to->seed_count = from->seed_count;
+    to->has_segments = from->has_segments;
+    to->face_seeds = from->face_seeds;
+    to->face_seed_count = from->face_seed_count;
+    to->bytes = from->bytes;
+    to->statistics = from->statistics;
+}
+
+enum gd_status gd_field_within(const struct gd_field *field, double radius, struct gd_field **out)
+{
+    if (!(radius > 0)) return GD_INVALID_ARGUMENT;
+    double reach = radius / field->mesh->unit;
+    if (reach >= field->reach) {
+        *out = gd_field_retain(field);
+        return GD_OK;
+    }
+    struct gd_field *view = gd__field_create(field->mesh);
+    if (!view) return GD_NO_MEMORY;
+    share(view, field);
+    view->reach = reach;
+    *out = view;
+    return GD_OK;
 }
 
 size_t gd_field_memsize(const struct gd_field *field)

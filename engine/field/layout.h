@@ -35,6 +35,8 @@ struct gd_field {
     void (*release_image)(void *user);
     void *image_user;
     bool is_image; /* the arrays lie in an image and are not the field's to free */
+    const struct gd_field
+        *shown; /* whose arrays these are, seen within a smaller reach; a reference. NULL: its own, or an image's */
 };
 
 /* Number of the seed that a pseudo-source is, which is no vertex. */
@@ -67,6 +69,11 @@ static inline const struct gd__chunk *gd__field_chunk(const struct gd_field *fie
 
 /* field.c: the sink that keeps all: the wavefront's wedges, distances and births become the field's. */
 enum gd_status gd__field_take(void *field, struct gd__wavefront *front, const struct gd_executor *executor);
+
+/* field.c: runs the propagation into the field, whose seeds it has, and checks what came of it; build_ns of the statistics is its time. Errors: those
+ * of gd_field_build. */
+GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__propagation *propagation,
+                                               const struct gd_control *control, const struct gd_executor *executor);
 
 /* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory. */
 struct gd_field *gd__field_create(const struct gd_mesh *mesh);

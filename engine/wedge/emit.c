@@ -157,14 +157,7 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 /* Offers a side a seed's window. */
 static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
-    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
-    struct gd__receiver to = {side,
-                              front->mesh->side[side].length,
-                              front->distance[origin],
-                              front->distance[destination],
-                              gd__wavefront_rest(front, origin),
-                              gd__wavefront_rest(front, destination),
-                              front->falls};
+    struct gd__receiver to = gd__wavefront_receiver(front, side);
     deliver_one(front, &to, window);
 }
 

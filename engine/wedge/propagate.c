@@ -44,9 +44,9 @@ static void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd
     apex->source = GD_NONE;
 }
 
-/* Casts the windows of a side with a face. */
-static void cast(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__windows *windows,
-                 uint32_t count)
+/* A call of its own would cost 1 % of a field. */
+static inline __attribute__((always_inline)) void cast(struct gd__wavefront *front, const struct gd__receiver *at,
+                                                       const struct gd__windows *windows, uint32_t count)
 {
     uint32_t side = at->side;
     const struct gd_side *s = &front->mesh->side[side];
@@ -69,6 +69,12 @@ static void cast(struct gd__wavefront *front, const struct gd__receiver *at, con
             &front->work->left);
     hand_on(front, &(struct gd__receiver){s->right, s->right_length, apex.distance, at->d1, rest, at->l1, at->falls},
             &front->work->right);
+}
+
+void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__windows *windows,
+              uint32_t count)
+{
+    cast(front, at, windows, count);
 }
 
 /* Drops windows whose source is nearer now than when it cast them: it casts them again. See remind.c. */
@@ -118,14 +124,7 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     void *block = list->block;
     uint32_t count = list->count, size_class = list->size_class;
     forget(front, list);
-    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
-    struct gd__receiver at = {side,
-                              front->mesh->side[side].length,
-                              front->distance[origin],
-                              front->distance[destination],
-                              gd__wavefront_rest(front, origin),
-                              gd__wavefront_rest(front, destination),
-                              front->falls};
+    struct gd__receiver at = gd__wavefront_receiver(front, side);
     front->effort.sides_propagated++;
     front->status = prune(front, &at, &windows, &count);
     bool stores = !front->without_wedges || list->visits > STORE_AFTER;

@@ -6,6 +6,7 @@
 #define MASK     (GD__QUEUE_BUCKETS - 1)
 #define FARTHEST 4e9 /* below the largest bucket number */
 #define SMALLEST 256 /* nodes of an array */
+#define BEFORE   16  /* buckets, see gd__queue_begin: some edges' lengths */
 
 struct gd__queue *gd__queue_create(void)
 {
@@ -41,6 +42,18 @@ void gd__queue_set_width(struct gd__queue *queue, double bucket_width)
     queue->buckets_per_length = 1 / bucket_width;
 }
 
+static uint32_t number_of(const struct gd__queue *queue, double key)
+{
+    double exact = key * queue->buckets_per_length;
+    return exact < FARTHEST ? (uint32_t)exact : (uint32_t)FARTHEST;
+}
+
+void gd__queue_begin(struct gd__queue *queue, double key)
+{
+    uint32_t number = number_of(queue, key);
+    queue->current = number > BEFORE ? number - BEFORE : 0;
+}
+
 static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
 {
     if (bucket->count < bucket->capacity) return true;
@@ -64,8 +77,7 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
 
 void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting)
 {
-    double exact = key * queue->buckets_per_length;
-    uint32_t number = exact < FARTHEST ? (uint32_t)exact : (uint32_t)FARTHEST;
+    uint32_t number = number_of(queue, key);
     if (number < queue->current) number = queue->current;
     if (number > queue->current + MASK) number = queue->current + MASK;
     if (*waiting <= number) return; /* GD_NONE is larger than any */

@@ -41,6 +41,9 @@ void gd__queue_clear(struct gd__queue *queue);
 /* The width of buckets, > 0, of an empty queue. */
 void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 
+/* Nothing much nearer than that key will be entered in the empty queue: it need not begin at zero, from where its ring may not reach so far. */
+void gd__queue_begin(struct gd__queue *queue, double key);
+
 /* Enters the node, which waits in bucket *waiting (GD_NONE: in none), unless that comes no later than its key. Amortised O(1). */
 void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting);
 

@@ -10,9 +10,8 @@
 
 #define NARROW (4 * GD__WEDGE_UNIT)
 
-/* The part of a stored chunk that a side's windows are compared with, as windows in that side's frame, sorted, appended to `out`. */
-static void recall(const struct gd__wavefront *front, const struct gd__chunk *chunk, uint32_t side, bool own,
-                   struct gd__stack *out)
+void gd__recall(const struct gd__wavefront *front, const struct gd__chunk *chunk, uint32_t side, bool own,
+                struct gd__stack *out)
 {
     double length = front->mesh->side[side].length;
     struct gd__wedges wedges = gd__chunk_wedges(chunk);
@@ -68,7 +67,7 @@ static enum gd_status cut_by_chunk(const struct gd__wavefront *front, const stru
     if (status) return status;
     uint32_t first = 0;
     stored->count = out->count = 0;
-    recall(front, chunk, side, own, stored);
+    gd__recall(front, chunk, side, own, stored);
     for (uint32_t i = 0; i < list->count; i++)
         cut(&list->windows[i], stored, own, NARROW * front->mesh->side[side].length, &first, out);
     return GD_OK;

@@ -96,6 +96,7 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
                                                 front->bound - to->l1);
     else if (front->bound < GD__FAR)
         children->count = front->kernel->within(&children->at, children->count, front->bound);
+    if (front->inner > 0) gd__keep_beyond(front, to->side, children);
     if (!children->count || front->status) return;
     front->effort.windows_created += children->count;
     struct gd__list *list = &front->lists[to->side];
@@ -281,7 +282,10 @@ static enum gd_status propagate_alone(struct gd__wavefront *front, const struct 
 {
     enum gd_status status = gd__wavefront_open(front, propagation);
     if (status) return status;
-    gd__emit_seeds(front);
+    if (propagation->begun)
+        gd__resume(front, propagation->begun);
+    else
+        gd__emit_seeds(front);
     gd__wavefront_advance(front, GD_NONE, UINT64_MAX);
     return front->status;
 }
@@ -310,7 +314,8 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .guide = propagation->guide,
                                   .without_wedges = propagation->without_wedges,
                                   .monitor = monitor};
-    bool together = executor && executor->width > 1 && gd__domain_is_worth_it(mesh, propagation, monitor);
+    bool together =
+        executor && executor->width > 1 && !propagation->begun && gd__domain_is_worth_it(mesh, propagation, monitor);
     enum gd_status status =
         together ? propagate_together(&front, propagation, executor) : propagate_alone(&front, propagation);
     if (!status) status = sink->take(sink->user, &front, executor);

@@ -37,11 +37,24 @@ struct gd__methods {
     bool no_coalescing; /* neighbouring windows of one source stay apart */
 };
 
+/* What a propagation of the same seeds has left that ended at a bound, to be taken up there: the arrays of a partial field, of the mesh's sizes. */
+struct gd__begun {
+    double bound; /* inside unit, below GD__FAR: distances up to here are final */
+    const double *distance;
+    const struct gd__birth *birth;
+    const uint32_t *newest;
+    const char *wedges;
+    size_t wedge_bytes;
+    uint64_t wedge_count;
+};
+
 /* What to propagate, and how far. Everything is borrowed. */
 struct gd__propagation {
     const struct gd__seed *seeds;
     uint32_t seed_count;
-    double radius;                 /* inside unit; GD__FAR: no limit */
+    const struct gd__begun
+        *begun;    /* goes on from there, by one wavefront; `radius` lies beyond its bound. NULL: from the seeds */
+    double radius; /* inside unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: none */
     struct gd__guide *guide;       /* towards one target: only its distance and path are final. NULL: none */
     bool without_wedges;           /* distances and births only: nothing is stored but for gd__remind */
@@ -74,7 +87,9 @@ struct gd__wavefront {
 
     bool without_wedges;
     struct gd__guide *guide;
-    double bound;              /* nothing farther is wanted; shrinks towards the target's distance */
+    double bound; /* nothing farther is wanted; shrinks towards the target's distance */
+    double
+        inner; /* resume.c, while it looks for what a bound kept back: what surely was within that bound is not wanted again; 0: all is wanted */
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */
 
@@ -140,6 +155,18 @@ struct gd__receiver {
     uint32_t falls; /* struct gd__wavefront's, when the offsets of what is offered were the sources' distances */
 };
 
+static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefront *front, uint32_t side)
+{
+    uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
+    return (struct gd__receiver){side,
+                                 front->mesh->side[side].length,
+                                 front->distance[origin],
+                                 front->distance[destination],
+                                 gd__wavefront_rest(front, origin),
+                                 gd__wavefront_rest(front, destination),
+                                 front->falls};
+}
+
 /* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *windows);
 
@@ -149,6 +176,21 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 
 /* propagate.c: the windows that wait on a side become wedges and go on across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);
+
+/* propagate.c: casts windows of a side with a face across it: offers its apex distances, and the two other sides windows. */
+void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__windows *windows,
+              uint32_t count);
+
+/* resume.c: takes up what has begun; then all that a farther bound wants is on its way. The wavefront is open and fresh. */
+void gd__resume(struct gd__wavefront *front, const struct gd__begun *begun);
+
+/* resume.c: drops windows that are offered to a side and were surely within the inner bound already. */
+void gd__keep_beyond(const struct gd__wavefront *front, uint32_t side, struct gd__children *windows);
+
+/* remind.c: the wedges of a chunk that came from windows of `side` (`own`) or of the edge's other side, as windows in the side's frame, sorted,
+ * appended to `out`, which has room. Those of sources that came nearer since are passed over. */
+void gd__recall(const struct gd__wavefront *front, const struct gd__chunk *chunk, uint32_t side, bool own,
+                struct gd__stack *out);
 
 /* remind.c: cuts off windows of a side what its stored wedges (`own`: ties too) or those of the edge's other side (`twin`: only where they are
  * strictly better) make useless. *count: how many windows there are, then how many are left; *windows may move to scratch. GD_NO_MEMORY. */

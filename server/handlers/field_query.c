@@ -84,12 +84,18 @@ bool server_field_query_of_resource(struct server_field_query *query, struct pro
 
 /* --- from the field ----------------------------------------------------------------------------------------------- */
 
-/* `begun`: the part of the query's work that is done. */
+/* The cached field may reach farther than the query's, which is answered as if it did not. `begun`: the part of the query's work that is done. */
 static enum server_query_turn answer_by(struct server_field_query *query, const struct server_cached *cached,
                                         double begun, struct proto_problem *problem)
 {
     struct server_monitor part = server_query_monitor(&query->query, begun, 1 - begun);
-    return query->answer(query, cached->field, &part, problem);
+    double radius = query->request.radius;
+    struct gd_field *within = NULL;
+    enum gd_status status = radius > 0 ? gd_field_within(cached->field, radius, &within) : GD_OK;
+    if (status) return server_query_fail(&query->query, status, WHAT, problem);
+    enum server_query_turn turn = query->answer(query, within ? within : cached->field, &part, problem);
+    gd_field_release(within);
+    return turn;
 }
 
 static enum server_query_turn answer_by_pin(struct server_field_query *query, struct proto_problem *problem)

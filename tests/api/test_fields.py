@@ -193,8 +193,8 @@ class Values(Fields):
         self.assertEqual([math.isnan(value) for value in struct.unpack("<7d", binary)], [True, False, False, False] + [True] * 3)
 
     def test_max_distance(self):
-        whole = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}})
         field = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}, "max_distance": 0.25})
+        whole = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}})
         self.assertEqual((field["max_distance"], field["max"], field["farthest"]), (0.25, None, None))
         self.assertLess(field["wedges"], whole["wedges"])
         chance = random.Random(2)

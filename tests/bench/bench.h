@@ -22,6 +22,7 @@ int bench_warm(char **arguments);
 int bench_locate(char **arguments);
 int bench_load(char **arguments);
 int bench_trace(char **arguments);
+int bench_resume(char **arguments);
 int bench_peer(char **arguments);
 int bench_export(char **arguments);
 

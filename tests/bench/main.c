@@ -13,6 +13,7 @@ static const struct {
     {"warm", "[OPTION...] MESH...", "distances and paths from a field that is kept", bench_warm},
     {"locate", "[OPTION...] MESH...", "nearest points and first hits of rays", bench_locate},
     {"trace", "[OPTION...] MESH...", "straightest geodesics, the log map of a point, means", bench_trace},
+    {"resume", "[OPTION...] MESH...", "fields that reach farther: resumed against built from nothing", bench_resume},
     {"load", "[OPTION...] MESH...", "from a file to a mesh: reading, parsing, building", bench_load},
     {"peer", "[--pair] MESH VERTEX...", "the engine by the protocol of races (tests/bench/peer.h)", bench_peer},
     {"export", "[OPTION...] MESH", "the mesh as every solver takes it, OBJ on standard output", bench_export},

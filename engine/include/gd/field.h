@@ -53,6 +53,21 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, c
                                                    const struct gd_control *control, double *out,
                                                    struct gd_detail *detail);
 
+/* The field of the same seeds that reaches farther, to `radius` (0: no limit): what `partial`, which stays as it is, has found is kept, and only
+ * what lies beyond is propagated. Its distances are those of a field that was built for the radius at once, but for rounding. Its statistics count the work of both. `control`, `executor` and `detail` may be NULL. With an executor of width 2
+ * or more, where half of the vertices or more lie beyond the reach of `partial` and gd_field_build would halve the surface, it is built from the
+ * seeds: that takes less time.
+ * Errors: GD_INVALID_ARGUMENT (the radius is negative or no number, `partial` reaches as far already, or it is a damaged image), and those of
+ * gd_field_build but for the request. Cost: a copy of `partial`, and what lies beyond. */
+GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
+                                           const struct gd_control *control, const struct gd_executor *executor,
+                                           struct gd_field **out, struct gd_detail *detail);
+
+/* The field as one of that radius answers, which must be more than 0: what lies farther is beyond its reach. It shares all of `field`, which lives as
+ * long, and tells the size of that; where `field` reaches no farther it is `field` itself. The caller releases it. Errors: GD_INVALID_ARGUMENT,
+ * GD_NO_MEMORY. O(1). */
+GD_MUST_USE enum gd_status gd_field_within(const struct gd_field *field, double radius, struct gd_field **out);
+
 struct gd_field *gd_field_retain(const struct gd_field *field);
 void gd_field_release(const struct gd_field *field); /* NULL is harmless */
 size_t gd_field_memsize(const struct gd_field *field);

@@ -1,0 +1,85 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "field/layout.h"
+
+/* What two wavefronts gain (doc 011) outweighs what a partial field has while it has less than this part of the vertices. */
+#define PART_WORTH_KEEPING 0.5
+
+static enum gd_status check(const struct gd_field *partial, double radius, struct gd_detail *detail)
+{
+    if (!(radius >= 0)) return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
+    if (partial->reach >= GD__FAR)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the field is complete: there is nothing to resume");
+    if (radius > 0 && radius / partial->mesh->unit <= partial->reach)
+        return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius %g must be greater than the field's reach, %g", radius,
+                       gd_field_reach(partial));
+    bool is_sound = partial->reach >= 0;
+    for (uint32_t v = 0; v < partial->mesh->vertex_count; v++) is_sound &= partial->distance[v] >= 0;
+    if (!is_sound) return gd_fail(detail, GD_INVALID_ARGUMENT, "the field is damaged: it has distances below zero");
+    return GD_OK;
+}
+
+static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field *from)
+{
+    field->seeds = malloc(from->seed_count * sizeof *field->seeds);
+    if (!field->seeds) return GD_NO_MEMORY;
+    memcpy(field->seeds, from->seeds, from->seed_count * sizeof *field->seeds);
+    field->seed_count = from->seed_count;
+    return gd__field_index_seeds(field);
+}
+
+static bool has_little(const struct gd_field *partial)
+{
+    uint32_t vertices = partial->mesh->vertex_count, within = 0;
+    for (uint32_t v = 0; v < vertices; v++) within += partial->distance[v] <= partial->reach;
+    return within < PART_WORTH_KEEPING * vertices;
+}
+
+static void add_statistics(struct gd_field_statistics *to, const struct gd_field_statistics *from)
+{
+    to->windows_created += from->windows_created;
+    to->windows_propagated += from->windows_propagated;
+    to->sides_propagated += from->sides_propagated;
+    to->vertices_emitted += from->vertices_emitted;
+    to->build_ns += from->build_ns;
+}
+
+static enum gd_status resume(struct gd_field *field, const struct gd_field *partial, double radius,
+                             const struct gd_control *control, const struct gd_executor *executor)
+{
+    enum gd_status status = copy_seeds(field, partial);
+    if (status) return status;
+    const struct gd__begun begun = {.bound = partial->reach,
+                                    .distance = partial->distance,
+                                    .birth = partial->birth,
+                                    .newest = partial->newest,
+                                    .wedges = partial->wedges,
+                                    .wedge_bytes = partial->wedge_bytes,
+                                    .wedge_count = partial->statistics.wedges};
+    struct gd__propagation propagation = {.seeds = field->seeds,
+                                          .seed_count = field->seed_count,
+                                          .radius = radius > 0 ? radius / field->mesh->unit : GD__FAR};
+    bool anew = executor && executor->width > 1 && has_little(partial) &&
+                gd__domain_is_worth_it(field->mesh, &propagation, control);
+    if (!anew) propagation.begun = &begun;
+    status = gd__field_propagate(field, &propagation, control, executor);
+    if (!anew) add_statistics(&field->statistics, &partial->statistics);
+    return status;
+}
+
+enum gd_status gd_field_resume(const struct gd_field *partial, double radius, const struct gd_control *control,
+                               const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
+{
+    enum gd_status status = check(partial, radius, detail);
+    if (status) return status;
+    struct gd_field *field = gd__field_create(partial->mesh);
+    if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
+    status = resume(field, partial, radius, control, executor);
+    if (status) {
+        gd_field_release(field);
+        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    }
+    *out = field;
+    return GD_OK;
+}

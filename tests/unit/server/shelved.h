@@ -1,0 +1,101 @@
+/* What the tests of the cache share: a cache with one shelf, and requests for the fields of two points. */
+#ifndef TESTS_UNIT_SERVER_SHELVED_H
+#define TESTS_UNIT_SERVER_SHELVED_H
+
+#include "support.h"
+
+#define AMPLE ((size_t)1 << 30)
+
+struct fixture {
+    struct server_budget budget;
+    struct server_workers *workers;
+    struct server_cache *cache;
+    struct gd_mesh *mesh;
+    struct server_shelf *shelf;
+};
+
+static inline int set_up(void **state)
+{
+    struct fixture *fixture = calloc(1, sizeof *fixture);
+    server_budget_init(&fixture->budget, AMPLE);
+    fixture->workers = server_workers_create(1, 100);
+    fixture->cache = server_cache_create(&fixture->budget, fixture->workers);
+    fixture->mesh = new_mesh();
+    fixture->shelf = server_shelf_open(fixture->cache);
+    *state = fixture;
+    return 0;
+}
+
+static inline int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    server_shelf_close(fixture->shelf);
+    server_shelf_release(fixture->shelf);
+    server_cache_destroy(fixture->cache);
+    server_workers_destroy(fixture->workers);
+    gd_mesh_release(fixture->mesh);
+    assert_int_equal(fixture->budget.total, 0); /* whatever a test did, every byte has come back */
+    free(fixture);
+    return 0;
+}
+
+static inline void reclaim(struct fixture *fixture, size_t bytes)
+{
+    const struct server_reclaimer *fields = &fixture->budget.reclaimers[SERVER_RECLAIM_FIELDS];
+    fields->reclaim(fields->user, bytes);
+}
+
+static inline const struct server_cached *find(struct fixture *fixture, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    return server_cache_find(fixture->shelf, &source);
+}
+
+static inline bool has(struct fixture *fixture, uint32_t vertex)
+{
+    const struct server_cached *cached = find(fixture, vertex);
+    server_cache_unpin(cached);
+    return cached != NULL;
+}
+
+/* --- fields of sets ----------------------------------------------------------------------------------------------- */
+
+struct set {
+    struct gd_seed seeds[2];
+    struct gd_field_request request;
+};
+
+static inline struct gd_field_request *make_set(struct fixture *fixture, struct set *set, double offset, double radius)
+{
+    *set = (struct set){.seeds = {{vertex_point(fixture->mesh, 3), 0}, {vertex_point(fixture->mesh, 8), offset}}};
+    set->request = (struct gd_field_request){.seeds = set->seeds, .seed_count = 2, .radius = radius};
+    return &set->request;
+}
+
+static inline struct server_flight *claim(struct fixture *fixture, const struct gd_field_request *request)
+{
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    enum gd_status why;
+    test_job_init(&job, NULL);
+    assert_int_equal(server_cache_claim(fixture->shelf, request, &job.job, &flight, &why), SERVER_CACHE_BUILD);
+    return flight;
+}
+
+static inline void land_set(struct fixture *fixture, struct server_flight *flight,
+                            const struct gd_field_request *request)
+{
+    struct gd_field *field;
+    assert_int_equal(gd_field_build(fixture->mesh, request, NULL, NULL, &field, NULL), GD_OK);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    server_cache_unpin(server_cache_land(flight, field));
+}
+
+static inline bool has_set(struct fixture *fixture, const struct gd_field_request *request)
+{
+    const struct server_cached *cached = server_cache_find_field(fixture->shelf, request);
+    server_cache_unpin(cached);
+    return cached != NULL;
+}
+
+#endif
