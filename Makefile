@@ -45,7 +45,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -86,6 +86,13 @@ test: setup ## set up and run all tests
 
 test-unit: test-build ## the C tests only
 	@tests/run.py $(TEST_PROGRAMS)
+
+test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
+	@tests/container/run.py --place $(BUILD)/container
+
+image: ## the container's image, by docker, podman or buildah
+	@builder=$$(command -v docker || command -v podman || command -v buildah) || { echo "install docker, podman or buildah"; exit 1; }; \
+	$$builder build $(if $(BASE),--build-arg BASE=$(BASE)) -t geodesicd -f docker/Dockerfile .
 
 test-api: build ## the daemon over HTTP only
 	@tests/run.py tests/api/run.py
@@ -220,7 +227,7 @@ $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/re
 
 torture: build ## the fault tests in their long forms (an hour)
 	@tests/run.py --jobs 1 --timeout 7200 "tests/fault/kill.py --loops 500" "tests/fault/replay.py --step 1 --mixed 4" "tests/fault/disk.py" \
-	    "tests/fault/flip.py --flips 2000"
+	    "tests/fault/flip.py --flips 2000" "tests/container/run.py --place $(BUILD)/container"
 
 bench: $(BUILD)/gd_bench ## measure the engine: a table, and bench.json (3 minutes)
 	tests/bench/table.py --build $(BUILD)

@@ -9,6 +9,8 @@ void proto_curve_free(struct proto_curve *curve)
 {
     proto_points_free(&curve->points);
     free(curve->vertices);
+    proto_spline_free(curve->spline);
+    free(curve->spline);
     *curve = (struct proto_curve){0};
 }
 
@@ -16,6 +18,9 @@ void proto_located_curve_free(struct proto_located_curve *located)
 {
     proto_located_points_free(&located->points);
     free(located->vertices);
+    proto_located_spline_free(&located->located_spline);
+    proto_spline_free(located->spline);
+    free(located->spline);
     *located = (struct proto_located_curve){0};
 }
 
@@ -77,11 +82,25 @@ static bool decode_boundary(const json_t *value, struct proto_curve *curve, stru
     return proto_decode_index(value, curve->place, "boundary", &curve->boundary, problem);
 }
 
+static bool decode_spline(const json_t *value, struct proto_curve *curve, struct proto_problem *problem)
+{
+    char place[PROTO_POINT_PLACE];
+    snprintf(place, sizeof place, "%.*s/spline", PROTO_POINT_PLACE - 8, curve->place);
+    if (json_object_get(value, "closed")) {
+        proto_problem_refuse(problem, curve->place, "whether it is closed is said in the spline itself");
+        return proto_problem_descend(problem, "closed");
+    }
+    curve->spline = calloc(1, sizeof *curve->spline);
+    if (!curve->spline) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    return proto_spline_decode(json_object_get(value, "spline"), place, true, curve->spline, problem);
+}
+
 /* One of the ways to say where a curve runs, and `decode` for it. */
 static const struct way {
     const char *member;
     bool (*decode)(const json_t *value, struct proto_curve *curve, struct proto_problem *problem);
-} ways[] = {{"points", decode_points}, {"vertices", decode_vertices}, {"boundary", decode_boundary}};
+} ways[] = {
+    {"points", decode_points}, {"vertices", decode_vertices}, {"boundary", decode_boundary}, {"spline", decode_spline}};
 
 #define WAYS (sizeof ways / sizeof *ways)
 
@@ -92,19 +111,14 @@ static const struct way *find_way(const json_t *value, const char *pointer, stru
     const struct way *found = NULL;
     size_t count = 0;
     if (!proto_decode_object(value, pointer, members, problem)) return NULL;
-    if (json_object_get(value, "spline")) {
-        proto_problem_refuse(problem, pointer,
-                             "splines are not taken as curves as yet; send the points of one as \"points\"");
-        proto_problem_descend(problem, "spline");
-        return NULL;
-    }
     for (size_t i = 0; i < WAYS; i++) {
         if (!json_object_get(value, ways[i].member)) continue;
         found = &ways[i];
         count++;
     }
     if (count == 1) return found;
-    proto_problem_refuse(problem, pointer, "a curve has exactly one of \"points\", \"vertices\" and \"boundary\"");
+    proto_problem_refuse(problem, pointer,
+                         "a curve has exactly one of \"points\", \"vertices\", \"boundary\" and \"spline\"");
     return NULL;
 }
 
@@ -125,11 +139,24 @@ bool proto_curve_decode(const json_t *value, const char *pointer, struct proto_c
 
 /* --- on the mesh -------------------------------------------------------------------------------------------------- */
 
+static bool locate_spline(const struct gd_mesh *mesh, struct proto_curve *curve, struct proto_located_curve *out,
+                          struct proto_problem *problem)
+{
+    struct proto_located_curve located = {0};
+    if (!proto_spline_locate(mesh, curve->spline, &located.located_spline, problem)) return false;
+    snprintf(located.place, sizeof located.place, "%s", curve->spline->place);
+    located.spline = curve->spline;
+    curve->spline = NULL;
+    *out = located;
+    return true;
+}
+
 bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve, struct proto_located_curve *out,
                         struct proto_problem *problem)
 {
     struct proto_located_curve located = {
         .request = {.kind = curve->kind, .closed = curve->closed, .boundary = curve->boundary}};
+    if (curve->spline) return locate_spline(mesh, curve, out, problem);
     if (curve->kind == GD_CURVE_POINTS && !proto_points_locate(mesh, &curve->points, &located.points, problem))
         return false;
     snprintf(located.place, sizeof located.place, "%s", curve->place);
@@ -141,4 +168,33 @@ bool proto_curve_locate(const struct gd_mesh *mesh, struct proto_curve *curve, s
     curve->vertex_count = 0;
     *out = located;
     return true;
+}
+
+void proto_located_curve_return(struct proto_located_curve *located, struct proto_curve *curve)
+{
+    curve->vertices = located->vertices;
+    curve->spline = located->spline;
+    if (located->vertices) curve->vertex_count = located->request.count;
+    located->vertices = NULL;
+    located->spline = NULL;
+    proto_located_curve_free(located);
+}
+
+enum gd_status proto_curve_resolve(const struct gd_mesh *mesh, const struct proto_located_curve *located,
+                                   const struct gd_landmarks *landmarks, const struct gd_control *control,
+                                   struct gd_curve *out, struct gd_detail *detail)
+{
+    if (!located->spline) return gd_curve_resolve(mesh, &located->request, landmarks, control, out, detail);
+    struct gd_spline_request request = located->located_spline.request;
+    request.landmarks = landmarks;
+    return gd_spline_curve(mesh, &request, &located->located_spline.sampling, control, out, detail);
+}
+
+bool proto_curve_fail(const struct proto_located_curve *located, enum gd_status status, struct gd_detail *detail,
+                      struct proto_problem *problem)
+{
+    if (located->spline) return proto_spline_fail(located->place, status, detail, problem);
+    proto_problem_from_status(problem, status, detail);
+    if (detail->text[0]) proto_problem_at(problem, located->place);
+    return false;
 }

@@ -213,8 +213,11 @@ def handler(operation):
 
 
 def query_name(path, method, operation):
-    """Queries are counted by their POST form, which each of them has."""
-    return segments(path)[-1] if method == "post" and "queries" in operation["tags"] else None
+    """Queries are counted by their POST form, which each of them has; those of other surfaces than meshes with the kind's plural."""
+    if method != "post" or "queries" not in operation["tags"]:
+        return None
+    kind, name = segments(path)[1], segments(path)[-1]
+    return name if kind == "meshes" else f"{kind}/{name}"
 
 
 def literals_first(route):

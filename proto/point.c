@@ -96,7 +96,9 @@ static bool find_form(const json_t *value, const char *place, enum proto_point_f
 
 static void set_place(struct proto_point *point, const char *place)
 {
-    snprintf(point->place, sizeof point->place, "%s", place);
+    size_t size = strnlen(place, sizeof point->place - 1);
+    memcpy(point->place, place, size);
+    point->place[size] = '\0';
 }
 
 bool proto_point_decode(const json_t *value, const char *pointer, struct proto_point *out,

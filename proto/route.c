@@ -28,12 +28,20 @@ static bool split(const char *path, struct split_path *out)
 
 static bool is_literal(struct proto_capture segment, const char *text)
 {
-    return strncmp(text, segment.text, segment.length) == 0 && text[segment.length] == '\0';
+    return *text == *segment.text && strncmp(text, segment.text, segment.length) == 0 && text[segment.length] == '\0';
+}
+
+/* Most routes differ in the last segment. */
+static bool may_match(const struct proto_route *route, const struct split_path *path)
+{
+    if (route->segment_count != path->count) return false;
+    const char *last = path->count ? route->segments[path->count - 1] : NULL;
+    return !last || is_literal(path->segments[path->count - 1], last);
 }
 
 static bool match(const struct proto_route *route, const struct split_path *path, struct proto_route_match *out)
 {
-    if (route->segment_count != path->count) return false;
+    if (!may_match(route, path)) return false;
     out->route = route;
     out->capture_count = 0;
     for (uint32_t i = 0; i < path->count; i++) {

@@ -23,31 +23,25 @@ static enum gd_status fail(const struct locating *locating, enum gd_status statu
 
 /* --- curves ----------------------------------------------------------------------------------------------------- */
 
-static enum gd_status resolve(struct locating *locating, const struct gd_curve_request *request, const char *place)
+static enum gd_status resolve(struct locating *locating, const struct proto_located_curve *located)
 {
     struct gd_detail detail = {0};
     struct gd_curve *curve = &locating->curves[locating->curve_count];
     enum gd_status status =
-        gd_curve_resolve(locating->mesh, request, locating->landmarks, locating->control, curve, &detail);
-    if (!status) {
+        proto_curve_resolve(locating->mesh, located, locating->landmarks, locating->control, curve, &detail);
+    if (status)
+        proto_curve_fail(located, status, &detail, locating->problem);
+    else
         locating->curve_count++;
-        return GD_OK;
-    }
-    proto_problem_from_status(locating->problem, status, &detail);
-    if (detail.text[0]) proto_problem_at(locating->problem, place);
     return status;
 }
 
 static enum gd_status resolve_curve(struct locating *locating, struct proto_curve *curve)
 {
     struct proto_located_curve located;
-    uint32_t vertices = curve->vertex_count;
     if (!proto_curve_locate(locating->mesh, curve, &located, locating->problem)) return GD_INVALID_ARGUMENT;
-    enum gd_status status = resolve(locating, &located.request, located.place);
-    curve->vertices = located.vertices; /* back to the set, for a second attempt */
-    curve->vertex_count = vertices;
-    located.vertices = NULL;
-    proto_located_curve_free(&located);
+    enum gd_status status = resolve(locating, &located);
+    proto_located_curve_return(&located, curve); /* for a second attempt */
     return status;
 }
 
@@ -59,7 +53,8 @@ static enum gd_status resolve_curves(struct locating *locating)
     if (!locating->curves) return fail(locating, GD_NO_MEMORY);
     for (uint32_t i = 0; i < set->curve_count && !status; i++) status = resolve_curve(locating, &set->curves[i]);
     for (uint32_t i = 0; i < locating->boundaries && !status; i++)
-        status = resolve(locating, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = i}, "");
+        status =
+            resolve(locating, &(struct proto_located_curve){.request = {.kind = GD_CURVE_BOUNDARY, .boundary = i}});
     return status;
 }
 

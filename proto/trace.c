@@ -49,7 +49,7 @@ static bool decode_fan(const json_t *document, struct proto_trace *trace, struct
            check_count(trace->count, "/fan", problem);
 }
 
-static bool decode_ways(const json_t *document, struct proto_trace *trace, struct proto_problem *problem)
+bool proto_trace_ways_decode(const json_t *document, struct proto_trace *trace, struct proto_problem *problem)
 {
     const json_t *directions = json_object_get(document, "directions");
     if (!directions == !json_object_get(document, "fan"))
@@ -74,6 +74,17 @@ static bool decode_word(const json_t *document, const char *member, const char *
     return proto_problem_descend(problem, member);
 }
 
+bool proto_trace_vertex_rule_decode(const json_t *document, enum gd_vertex_rule usual, enum gd_vertex_rule *out,
+                                    struct proto_problem *problem)
+{
+    static const char *const rules[2] = {"bisect", "limit_normal"};
+    int rule;
+    if (!decode_word(document, "vertex_rule", rules, &rule, problem)) return false;
+    *out = rule ? GD_VERTEX_RULE_NORMAL : GD_VERTEX_RULE_BISECT;
+    if (!json_object_get(document, "vertex_rule")) *out = usual;
+    return true;
+}
+
 static bool decode_limit(const json_t *document, uint64_t *out, struct proto_problem *problem)
 {
     uint32_t limit = PROTO_TRACE_STEPS;
@@ -87,12 +98,11 @@ static bool decode_limit(const json_t *document, uint64_t *out, struct proto_pro
 
 static bool decode_rules(const json_t *document, struct gd_trace_options *out, struct proto_problem *problem)
 {
-    static const char *const vertex_rules[2] = {"bisect", "limit_normal"}, *const boundary_rules[2] = {"stop", "slide"};
-    int vertex_rule, boundary_rule;
-    if (!decode_word(document, "vertex_rule", vertex_rules, &vertex_rule, problem) ||
+    static const char *const boundary_rules[2] = {"stop", "slide"};
+    int boundary_rule;
+    if (!proto_trace_vertex_rule_decode(document, GD_VERTEX_RULE_BISECT, &out->vertex_rule, problem) ||
         !decode_word(document, "boundary_rule", boundary_rules, &boundary_rule, problem))
         return false;
-    out->vertex_rule = vertex_rule ? GD_VERTEX_RULE_NORMAL : GD_VERTEX_RULE_BISECT;
     out->boundary_rule = boundary_rule ? GD_BOUNDARY_RULE_SLIDE : GD_BOUNDARY_RULE_STOP;
     return proto_decode_flag(document, "", "stop_at_self_intersection", &out->stop_at_self_intersection, problem) &&
            decode_limit(document, &out->step_limit, problem);
@@ -106,7 +116,7 @@ static bool decode(const json_t *document, struct proto_trace *trace, struct pro
     if (!start || !proto_point_decode(start, "/start", &trace->start, problem)) return false;
     if (!proto_decode_number(document, "", "length", &trace->length, problem)) return false;
     if (!(trace->length >= 0)) return proto_problem_refuse(problem, "/length", "a length is 0 or more");
-    return decode_rules(document, &trace->options, problem) && decode_ways(document, trace, problem);
+    return decode_rules(document, &trace->options, problem) && proto_trace_ways_decode(document, trace, problem);
 }
 
 bool proto_trace_decode(const json_t *document, struct proto_trace *out, struct proto_problem *problem)
@@ -126,7 +136,7 @@ bool proto_trace_decode(const json_t *document, struct proto_trace *out, struct 
 
 /* --- the answer --------------------------------------------------------------------------------------------------- */
 
-static const char *reason_of(enum gd_trace_end end)
+const char *proto_trace_end_name(enum gd_trace_end end)
 {
     switch (end) {
     case GD_TRACE_END_BOUNDARY:
@@ -157,6 +167,6 @@ void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     proto_write_key(writer, "end_direction");
     proto_direction_encode(writer, &trace->direction);
     proto_write_key(writer, "end_reason");
-    proto_write_string(writer, reason_of(trace->end));
+    proto_write_string(writer, proto_trace_end_name(trace->end));
     proto_write_object_end(writer);
 }

@@ -24,6 +24,15 @@ struct proto_trace { /* all zero is an empty one */
 bool proto_trace_decode(const json_t *document, struct proto_trace *out, struct proto_problem *problem);
 void proto_trace_free(struct proto_trace *trace); /* a second time is harmless */
 
+/* Parts of a request that others have too: directions or a fan, which on failure may be there in part; the rule, which is the usual one unless it is said. The same
+ * problems. */
+bool proto_trace_ways_decode(const json_t *document, struct proto_trace *trace, struct proto_problem *problem);
+bool proto_trace_vertex_rule_decode(const json_t *document, enum gd_vertex_rule usual, enum gd_vertex_rule *out,
+                                    struct proto_problem *problem);
+
+/* "length" and so on. Static string. */
+const char *proto_trace_end_name(enum gd_trace_end end);
+
 /* Fields of the answer, as bits of proto_options.fields: its own, and those of each path. */
 enum proto_trace_field { PROTO_TRACE_FIELD_START = 1 << 0, PROTO_TRACE_FIELD_PATHS = 1 << 1 };
 extern const char *const proto_trace_fields[]; /* NULL-terminated, for proto_options_parse */

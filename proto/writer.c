@@ -116,8 +116,9 @@ static void separate(struct proto_writer *writer)
 
 static void begin(struct proto_writer *writer, char bracket)
 {
-    separate(writer);
-    append_char(writer, bracket);
+    if (!reserve(writer, 2)) return;
+    if (writer->comma) writer->data[writer->size++] = ',';
+    writer->data[writer->size++] = bracket;
     writer->comma = false;
 }
 
@@ -149,10 +150,15 @@ void proto_write_array_end(struct proto_writer *writer)
 
 void proto_write_key(struct proto_writer *writer, const char *key)
 {
-    separate(writer);
-    append_char(writer, '"');
-    proto_append(writer, key, strlen(key));
-    proto_append(writer, "\":", 2);
+    size_t size = strlen(key);
+    if (!reserve(writer, size + 4)) return;
+    char *at = writer->data + writer->size;
+    if (writer->comma) *at++ = ',';
+    *at++ = '"';
+    at = (char *)memcpy(at, key, size) + size;
+    *at++ = '"';
+    *at++ = ':';
+    writer->size = (size_t)(at - writer->data);
     writer->comma = false;
 }
 
@@ -228,26 +234,42 @@ void proto_write_string(struct proto_writer *writer, const char *text)
 
 /* --- numbers ------------------------------------------------------------------------------------------------------ */
 
-/* Straight into the buffer where there is room for the longest. */
+/* Writes the number or null where there is room for the longest; returns its end. */
+static inline char *put_number(char *at, double value)
+{
+    if (isfinite(value)) return gd_number_format(at, value);
+    memcpy(at, "null", 4);
+    return at + 4;
+}
+
 void proto_write_number(struct proto_writer *writer, double value)
 {
-    if (!isfinite(value)) {
-        proto_write_null(writer);
-        return;
+    if (!reserve(writer, 1 + GD_NUMBER_SIZE)) return;
+    char *at = writer->data + writer->size;
+    if (writer->comma) *at++ = ',';
+    writer->size = (size_t)(put_number(at, value) - writer->data);
+    writer->comma = true;
+}
+
+#define RUN 16 /* numbers whose room is asked for at a time */
+
+/* Each with a comma behind it. */
+static void append_numbers(struct proto_writer *writer, const double *values, size_t count)
+{
+    if (!reserve(writer, count * (GD_NUMBER_SIZE + 1))) return;
+    char *at = writer->data + writer->size;
+    for (size_t i = 0; i < count; i++) {
+        at = put_number(at, values[i]);
+        *at++ = ',';
     }
-    separate(writer);
-    if (writer->failure == PROTO_WRITER_FINE && writer->capacity - writer->size >= GD_NUMBER_SIZE) {
-        writer->size = (size_t)(gd_number_format(writer->data + writer->size, value) - writer->data);
-        return;
-    }
-    char text[GD_NUMBER_SIZE];
-    proto_append(writer, text, (size_t)(gd_number_format(text, value) - text));
+    writer->size = (size_t)(at - writer->data);
 }
 
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count)
 {
     proto_write_array_begin(writer);
-    for (size_t i = 0; i < count; i++) proto_write_number(writer, values[i]);
+    for (size_t i = 0; i < count; i += RUN) append_numbers(writer, values + i, count - i < RUN ? count - i : RUN);
+    if (count && writer->failure == PROTO_WRITER_FINE) writer->size--; /* the last comma */
     proto_write_array_end(writer);
 }
 

@@ -5,7 +5,7 @@
  *     server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
  *
  * DESIGN. One atomic total, one atomic count a class. A take that would pass the limit asks one reclaimer after the
- * other to let go of enough: for idle workspaces, for landmarks, for meshes that are stored and not in use and have no
+ * other to let go of enough: for idle workspaces, for landmarks, for discretizations, for meshes that are stored and not in use and have no
  * fields, for fields, for any mesh that is stored and not in use. Reclaimers take locks of their own: so no lock is held
  * around a take; a give never calls out and is allowed anywhere. All functions are thread-safe. */
 #ifndef SERVER_BUDGET_H
@@ -23,14 +23,16 @@ enum server_budget_class {
     SERVER_BUDGET_FLIGHT,
     SERVER_BUDGET_WORKSPACES, /* idle ones */
     SERVER_BUDGET_LANDMARKS,
-    SERVER_BUDGET_JOBS,  /* answers that are kept for jobs: never reclaimed */
-    SERVER_BUDGET_SPARE, /* set aside for the memory of released fields: never reclaimed */
+    SERVER_BUDGET_DISCRETIZATIONS, /* kept ones */
+    SERVER_BUDGET_JOBS,            /* answers that are kept for jobs: never reclaimed */
+    SERVER_BUDGET_SPARE,           /* set aside for the memory of released fields: never reclaimed */
     SERVER_BUDGET_CLASSES
 };
 
 enum server_reclaim_turn {
     SERVER_RECLAIM_WORKSPACES,
     SERVER_RECLAIM_LANDMARKS,
+    SERVER_RECLAIM_DISCRETIZATIONS,
     SERVER_RECLAIM_IDLE,
     SERVER_RECLAIM_FIELDS,
     SERVER_RECLAIM_MESHES,

@@ -21,6 +21,7 @@ static const char *const levels[] = {
         NULL};
 const char *const server_config_cpus[] = {"auto", "baseline", "avx2", "avx512", NULL};
 static const char *const stores[] = {[SERVER_STORE_KIND_LOCAL] = "local", [SERVER_STORE_KIND_MEMORY] = "memory", NULL};
+static const char *const sandboxes[] = {[SERVER_SANDBOX_AUTO] = "auto", [SERVER_SANDBOX_OFF] = "off", NULL};
 
 #define MEMBER(member) offsetof(struct server_config, member)
 
@@ -86,6 +87,19 @@ static const struct server_setting options[] = {
      MEMBER(check_store), 0, 0, NULL, NULL},
     {"backup", "DIR", "copy the data folder, in use or not, into a new one, and exit", KIND_PATH, MEMBER(backup), 0, 0,
      NULL, NULL},
+    {"restore", "DIR", "make the data folder, where there is none, of the backup in DIR, and exit", KIND_PATH,
+     MEMBER(restore), 0, 0, NULL, NULL},
+    {"scrub-s", "S",
+     "seconds from one look through the data folder for damaged files to the next; 0: none but --check-store",
+     KIND_COUNT, MEMBER(scrub_s), 0, 31536000, "86400", NULL},
+    {"scrub-rate", "BYTES", "most that such a look reads in a second", KIND_BYTES, MEMBER(scrub_rate), 1 << 10,
+     UINT64_C(1) << 40, "16MiB", NULL},
+    {"sandbox", "MODE",
+     "auto: give up all rights that the daemon does not need, as far as the kernel can take them (Landlock, seccomp); "
+     "or off",
+     KIND_CHOICE, MEMBER(sandbox), 0, 0, "auto", sandboxes},
+    {"slow-ms", "MS", "log requests that take so long as slow_request, with a warning; 0: none", KIND_COUNT,
+     MEMBER(slow_ms), 0, 86400000, "0", NULL},
     {"log-level", "LEVEL", "debug, info, warn or error", KIND_CHOICE, MEMBER(log_level), 0, 0, "info", levels},
     {"config", "FILE", "read `name = value` lines from FILE; # begins a comment", KIND_FILE, 0, 0, 0, NULL, NULL},
     {"version", NULL, "print the version and exit", KIND_SWITCH, 0, 0, 0, NULL, NULL},
@@ -297,9 +311,10 @@ static bool validate_store(struct server_setting_loader *loader)
     const struct server_config *config = loader->config;
     if (config->store == SERVER_STORE_KIND_LOCAL) return true;
     snprintf(loader->origin, sizeof loader->origin, "--store memory");
-    return (!config->persist_fields && !config->check_store && !*config->backup) ||
+    return (!config->persist_fields && !config->check_store && !*config->backup && !*config->restore) ||
            server_config_complain(
-               loader, "a store in memory keeps nothing: leave out --persist-fields, --check-store and --backup");
+               loader,
+               "a store in memory keeps nothing: leave out --persist-fields, --check-store, --backup and --restore");
 }
 
 static bool validate_access(struct server_setting_loader *loader)

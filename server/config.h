@@ -8,6 +8,7 @@
 
 #include "server/address.h"
 #include "server/log.h"
+#include "server/sandbox.h"
 
 #define SERVER_CONFIG_NAMES 16
 #define SERVER_CONFIG_NAME  128
@@ -50,8 +51,13 @@ struct server_config {
     enum server_store_kind store;
     char data_dir[SERVER_CONFIG_PATH];
     bool persist_fields;
-    bool check_store;                /* check the store and end */
-    char backup[SERVER_CONFIG_PATH]; /* copy the store there and end; empty: don't */
+    bool check_store;                 /* check the store and end */
+    char backup[SERVER_CONFIG_PATH];  /* copy the store there and end; empty: don't */
+    char restore[SERVER_CONFIG_PATH]; /* make the store of that backup and end; empty: don't */
+    uint64_t scrub_s;                 /* between the beginnings of two looks through the store; 0: none */
+    uint64_t scrub_rate;              /* bytes a second */
+    uint64_t slow_ms;                 /* requests that take as long are warned of; 0: none */
+    enum server_sandbox_mode sandbox;
 };
 
 enum server_config_outcome {

@@ -139,6 +139,41 @@ enum server_disk_result server_disk_read(const char *path, void **bytes, size_t 
     return result;
 }
 
+#define PIECE ((size_t)256 << 10)
+
+/* What is in the page cache hides what has become of the disk; and what is only looked over has no place there. The
+ * file's first bytes; 0: all of them. */
+static void forget_pages(int file, off_t bytes)
+{
+    (void)posix_fadvise(file, 0, bytes, POSIX_FADV_DONTNEED);
+}
+
+static enum server_disk_result scan_file(int file, char *piece,
+                                         bool (*visit)(void *user, const void *bytes, size_t size), void *user)
+{
+    for (off_t at = 0;;) {
+        ssize_t got = read(file, piece, PIECE);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) return SERVER_DISK_REFUSED;
+        if (got == 0 || !visit(user, piece, (size_t)got)) return SERVER_DISK_DONE;
+        at += got;
+        forget_pages(file, at);
+    }
+}
+
+enum server_disk_result server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
+                                         void *user)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC);
+    if (file < 0) return refusal();
+    forget_pages(file, 0);
+    char *piece = malloc(PIECE);
+    enum server_disk_result result = piece ? scan_file(file, piece, visit, user) : SERVER_DISK_NO_MEMORY;
+    free(piece);
+    close_quietly(file);
+    return result;
+}
+
 enum server_disk_result server_disk_size(const char *path, size_t *size)
 {
     struct stat facts;
@@ -168,15 +203,20 @@ enum server_disk_result server_disk_remove(const char *folder, const char *path)
     return folder ? server_disk_sync_folder(folder) : SERVER_DISK_DONE;
 }
 
-enum server_disk_result server_disk_link(const char *path, const char *second)
+enum server_disk_result server_disk_copy(const char *path, const char *copy)
 {
-    if (link(path, second) == 0) return SERVER_DISK_DONE;
-    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP) return refusal();
     void *bytes;
     size_t size;
     enum server_disk_result result = server_disk_read(path, &bytes, &size);
     if (result) return result;
-    result = write_new(second, bytes, size);
+    result = write_new(copy, bytes, size);
     free(bytes);
     return result;
+}
+
+enum server_disk_result server_disk_link(const char *path, const char *second)
+{
+    if (link(path, second) == 0) return SERVER_DISK_DONE;
+    if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP) return refusal();
+    return server_disk_copy(path, second);
 }

@@ -33,6 +33,11 @@ enum server_disk_result server_disk_write(const char *folder, const char *path, 
 /* The file's bytes and one NUL more, malloc'ed. */
 enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size);
 
+/* Shows a file piece by piece, as it is on the disk and not as the system remembers it, where that can be had;
+ * `visit` returns false to end it. */
+enum server_disk_result server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
+                                         void *user);
+
 /* Bytes of a file. */
 enum server_disk_result server_disk_size(const char *path, size_t *size);
 
@@ -46,8 +51,10 @@ enum server_disk_result server_disk_remove(const char *folder, const char *path)
 /* Makes the names in a folder durable. */
 enum server_disk_result server_disk_sync_folder(const char *folder);
 
-/* Gives a file a second name: a link, or a durable copy where links can't be made. The folder of the new name is for
- * the caller to make durable. */
+/* Copies a file, durably but for the new name, whose folder is for the caller to make durable. */
+enum server_disk_result server_disk_copy(const char *path, const char *copy);
+
+/* Gives a file a second name: a link, or a copy where links can't be made. */
 enum server_disk_result server_disk_link(const char *path, const char *second);
 
 #endif

@@ -26,6 +26,7 @@ struct server_stream {
     uint64_t told_version, told_ns;
     bool is_paused, is_woken;
     bool has_ended; /* nothing comes after the message */
+    bool is_whole;  /* it is the source's last */
 };
 
 struct server_events {
@@ -103,7 +104,9 @@ static bool has_news(const struct server_stream *stream)
 static bool is_due(const struct server_stream *stream, uint64_t now_ns)
 {
     uint64_t silence = now_ns - stream->told_ns;
-    return stream->is_woken || (silence >= PROGRESS_NS && has_news(stream)) || silence >= HEARTBEAT_NS;
+    if (stream->is_woken) return true;
+    if (stream->source.is_content) return has_news(stream);
+    return (silence >= PROGRESS_NS && has_news(stream)) || silence >= HEARTBEAT_NS;
 }
 
 /* The version is read first: what happens meanwhile is told twice rather than never. */
@@ -114,10 +117,10 @@ static void compose(struct server_stream *stream, uint64_t now_ns)
     proto_writer_free(&stream->message);
     proto_writer_init(&stream->message, MESSAGE_MOST);
     if (is_news)
-        stream->has_ended = !stream->source.tell(stream->source.user, &stream->message);
+        stream->has_ended = stream->is_whole = !stream->source.tell(stream->source.user, &stream->message);
     else
         proto_append(&stream->message, heartbeat, strlen(heartbeat));
-    if (stream->message.failure || stream->events->is_ending) stream->has_ended = true;
+    if (stream->message.failure || (stream->events->is_ending && !stream->source.is_content)) stream->has_ended = true;
     stream->read = 0;
     stream->is_woken = false;
     stream->told_version = version;
@@ -152,7 +155,8 @@ static ptrdiff_t read_some(struct server_stream *stream, char *bytes, size_t siz
     if (stream->read == stream->message.size && !stream->has_ended && is_due(stream, now)) compose(stream, now);
     size_t read = copy(stream, bytes, size);
     if (read) return (ptrdiff_t)read;
-    if (stream->has_ended) return -1;
+    if (stream->has_ended)
+        return stream->source.is_content && !stream->is_whole ? SERVER_STREAM_CUT : SERVER_STREAM_END;
     pause_reader(stream);
     return 0;
 }
@@ -207,6 +211,7 @@ void server_events_end(struct server_events *events)
     pthread_mutex_lock(&events->lock);
     events->is_ending = true;
     for (struct server_stream *stream = events->first; stream; stream = stream->next) {
+        if (stream->source.is_content) continue;
         stream->has_ended = true;
         resume_reader(stream);
     }

@@ -1,4 +1,4 @@
-/* Events: answers that come as things happen (server-sent events), each to a client that watches.
+/* Events: answers that come as things happen, each to a client that watches: server-sent events, or an answer's own text.
  *
  *     stream = server_stream_open(events, &source);      a handler; exchange->response.stream = stream
  *     server_stream_attach(stream, reader);              the transport, when it begins to send
@@ -32,7 +32,13 @@ struct server_event_source {
     bool (*tell)(void *user, struct proto_writer *writer);
     void (*release)(void *user);
     void *user;
+    /* What is told is an answer's own text: it is told at once and in full, nothing is put between, the daemon's drain waits for it, and
+     * if it ends before the last message its client sees an error. */
+    bool is_content;
 };
+
+#define SERVER_STREAM_END (-1)
+#define SERVER_STREAM_CUT (-2)
 
 /* How a stream makes its transport read, or not. */
 struct server_stream_reader {
@@ -55,7 +61,7 @@ void server_events_tick(struct server_events *events, uint64_t now_ns);
 /* Tells the streams of a source at once that there is news. */
 void server_events_wake(struct server_events *events, const void *user);
 
-/* Ends all streams, and coming ones after their first message. */
+/* Ends all streams but those of content, and coming ones after their first message. */
 void server_events_end(struct server_events *events);
 
 /* Streams that are open. Thread-safe. NULL: 0. */
@@ -67,7 +73,7 @@ struct server_stream *server_stream_open(struct server_events *events, const str
 /* Once, before the first read. */
 void server_stream_attach(struct server_stream *stream, struct server_stream_reader reader);
 
-/* Fills in at most `size` bytes and returns how many. 0: none, the reader is paused; -1: the end. */
+/* Fills in at most `size` bytes and returns how many. 0: none, the reader is paused; SERVER_STREAM_END, SERVER_STREAM_CUT. */
 ptrdiff_t server_stream_read(struct server_stream *stream, char *bytes, size_t size);
 
 /* The transport reads no more, and its reader is not called any more. NULL is harmless. */

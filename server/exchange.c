@@ -24,8 +24,9 @@ static int hex_digit(char c)
  * encoded NUL. */
 static bool percent_decode(char *text)
 {
-    char *out = text;
-    for (const char *in = text; *in; in++) {
+    char *out = strchr(text, '%');
+    if (!out) return true;
+    for (const char *in = out; *in; in++) {
         if (*in != '%') {
             *out++ = *in;
             continue;
@@ -42,17 +43,16 @@ static bool percent_decode(char *text)
 /* An encoded slash would make two segments of one, a control character has no place in any name. */
 static const char *decode_path(char *path)
 {
-    if (strcasestr(path, "%2f")) return "a path segment of this API can't hold an encoded slash";
+    if (strchr(path, '%') && strcasestr(path, "%2f")) return "a path segment of this API can't hold an encoded slash";
     if (!percent_decode(path)) return "the path has a broken percent escape";
     for (const char *c = path; *c; c++)
         if (iscntrl((unsigned char)*c)) return "the path holds a control character";
     return NULL;
 }
 
-static const char *split_query(struct server_exchange *exchange)
+static const char *split_query(struct server_exchange *exchange, char *query)
 {
-    char *rest = exchange->query;
-    for (char *part; (part = strsep(&rest, "&"));) {
+    for (char *part, *rest = query; (part = strsep(&rest, "&"));) {
         if (!*part) continue;
         if (exchange->parameter_count == SERVER_EXCHANGE_PARAMETERS) return "the query string has too many parameters";
         char *equals = strchr(part, '=');
@@ -64,14 +64,17 @@ static const char *split_query(struct server_exchange *exchange)
     return NULL;
 }
 
+/* Takes the target apart, in a copy. */
 static bool read_target(struct server_exchange *exchange, const char *target)
 {
-    size_t path_size = strcspn(target, "?");
-    exchange->path = strndup(target, path_size);
-    exchange->query = strdup(target[path_size] ? target + path_size + 1 : "");
-    if (!exchange->path || !exchange->query) return false;
-    exchange->fault = decode_path(exchange->path);
-    if (!exchange->fault) exchange->fault = split_query(exchange);
+    exchange->target_size = strlen(target) + 1;
+    exchange->target = malloc(exchange->target_size);
+    if (!exchange->target) return false;
+    memcpy(exchange->target, target, exchange->target_size);
+    char *rest = exchange->target, *path = strsep(&rest, "?");
+    exchange->path = path;
+    exchange->fault = decode_path(path);
+    if (!exchange->fault && rest) exchange->fault = split_query(exchange, rest);
     return true;
 }
 
@@ -80,10 +83,8 @@ static bool read_target(struct server_exchange *exchange, const char *target)
 static void run(struct server_job *job);
 static void refuse(struct server_job *job, enum server_refusal why);
 
-static struct server_exchange *create(struct server *server, const struct server_transport *transport)
+static void clear(struct server_exchange *exchange, struct server *server, const struct server_transport *transport)
 {
-    struct server_exchange *exchange = malloc(sizeof *exchange);
-    if (!exchange) return NULL;
     memset(exchange, 0, offsetof(struct server_exchange, response.headers));
     exchange->server = server;
     exchange->transport = transport;
@@ -91,16 +92,13 @@ static struct server_exchange *create(struct server *server, const struct server
     exchange->started_ns = gd_now_ns();
     exchange->job.run = run;
     exchange->job.refuse = refuse;
-    return exchange;
 }
 
-struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
-                                               const char *target)
+bool server_exchange_begin(struct server_exchange *exchange, struct server *server,
+                           const struct server_transport *transport, const char *target)
 {
-    struct server_exchange *exchange = create(server, transport);
-    if (exchange && read_target(exchange, target)) return exchange;
-    server_exchange_destroy(exchange);
-    return NULL;
+    clear(exchange, server, transport);
+    return read_target(exchange, target);
 }
 
 static void drop_state(struct server_exchange *exchange)
@@ -110,9 +108,8 @@ static void drop_state(struct server_exchange *exchange)
     exchange->state = NULL;
 }
 
-void server_exchange_destroy(struct server_exchange *exchange)
+void server_exchange_end(struct server_exchange *exchange)
 {
-    if (!exchange) return;
     drop_state(exchange);
     server_surface_release(exchange->surface);
     server_body_drop(&exchange->body, &exchange->server->budget);
@@ -121,8 +118,22 @@ void server_exchange_destroy(struct server_exchange *exchange)
     server_grant_end(&exchange->grant);
     free(exchange->response.owned);
     free(exchange->copies);
-    free(exchange->path);
-    free(exchange->query);
+    free(exchange->target);
+}
+
+struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
+                                               const char *target)
+{
+    struct server_exchange *exchange = malloc(sizeof *exchange);
+    if (exchange && server_exchange_begin(exchange, server, transport, target)) return exchange;
+    free(exchange);
+    return NULL;
+}
+
+void server_exchange_destroy(struct server_exchange *exchange)
+{
+    if (!exchange) return;
+    server_exchange_end(exchange);
     free(exchange);
 }
 
@@ -160,40 +171,51 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
     return true;
 }
 
-static bool copy_path(struct server_exchange *to, const struct server_exchange *from)
+/* What stands at that place of the other's target. */
+static const char *find_again(const struct server_exchange *to, const struct server_exchange *from, const char *text)
 {
-    to->path = strdup(from->path);
-    if (!to->path) return false;
+    return to->target + (text - from->target);
+}
+
+static bool copy_target(struct server_exchange *to, const struct server_exchange *from)
+{
+    to->target = malloc(from->target_size);
+    if (!to->target) return false;
+    memcpy(to->target, from->target, from->target_size);
+    to->target_size = from->target_size;
+    to->path = find_again(to, from, from->path);
     to->match = from->match;
     for (uint32_t i = 0; i < to->match.capture_count; i++)
-        to->match.captures[i].text = to->path + (from->match.captures[i].text - from->path);
+        to->match.captures[i].text = find_again(to, from, from->match.captures[i].text);
+    to->parameter_count = from->parameter_count;
+    for (uint32_t i = 0; i < to->parameter_count; i++)
+        to->parameters[i] = (struct server_named_value){find_again(to, from, from->parameters[i].name),
+                                                        find_again(to, from, from->parameters[i].value)};
     return true;
 }
 
-static void move_query_and_body(struct server_exchange *to, struct server_exchange *from)
+static struct server_exchange *create_detached(struct server_exchange *exchange,
+                                               const struct server_transport *transport)
 {
-    to->query = from->query;
-    to->parameter_count = from->parameter_count;
-    memcpy(to->parameters, from->parameters, sizeof to->parameters);
-    to->body = from->body;
-    from->query = NULL;
-    from->parameter_count = 0;
-    from->body = (struct server_body){0};
+    struct server_exchange *detached = malloc(sizeof *detached);
+    if (!detached) return NULL;
+    clear(detached, exchange->server, transport);
+    if (copy_target(detached, exchange) && copy_head(detached, exchange)) return detached;
+    server_exchange_destroy(detached);
+    return NULL;
 }
 
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport)
 {
-    struct server_exchange *detached = create(exchange->server, transport);
-    if (!detached || !copy_path(detached, exchange) || !copy_head(detached, exchange)) {
-        server_exchange_destroy(detached);
-        return NULL;
-    }
+    struct server_exchange *detached = create_detached(exchange, transport);
+    if (!detached) return NULL;
     detached->is_http10 = exchange->is_http10;
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
     server_grant_pass(&exchange->grant, &detached->grant);
     detached->tenant = exchange->tenant;
-    move_query_and_body(detached, exchange);
+    detached->body = exchange->body;
+    exchange->body = (struct server_body){0};
     return detached;
 }
 
@@ -207,17 +229,23 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
         exchange->headers[exchange->header_count++] = (struct server_named_value){name, value ? value : ""};
 }
 
+/* The same name, whatever the case; most differ in the first letter. */
+static inline bool is_name(const char *a, const char *b)
+{
+    return ((*a ^ *b) & ~('a' ^ 'A')) == 0 && strcasecmp(a, b) == 0;
+}
+
 const char *server_exchange_header(const struct server_exchange *exchange, const char *name)
 {
     for (uint32_t i = 0; i < exchange->header_count; i++)
-        if (strcasecmp(exchange->headers[i].name, name) == 0) return exchange->headers[i].value;
+        if (is_name(exchange->headers[i].name, name)) return exchange->headers[i].value;
     return NULL;
 }
 
 uint32_t server_exchange_count_headers(const struct server_exchange *exchange, const char *name)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i < exchange->header_count; i++) count += strcasecmp(exchange->headers[i].name, name) == 0;
+    for (uint32_t i = 0; i < exchange->header_count; i++) count += is_name(exchange->headers[i].name, name);
     return count;
 }
 
@@ -254,7 +282,7 @@ struct proto_parameters server_exchange_parameters(struct server_exchange *excha
 
 /* --- the second lane ---------------------------------------------------------------------------------------------- */
 
-static struct server_exchange *exchange_of(struct server_job *job)
+struct server_exchange *server_exchange_of(struct server_job *job)
 {
     return (struct server_exchange *)((char *)job - offsetof(struct server_exchange, job));
 }
@@ -283,7 +311,7 @@ static void finish(struct server_exchange *exchange)
 
 static void run(struct server_job *job)
 {
-    struct server_exchange *exchange = exchange_of(job);
+    struct server_exchange *exchange = server_exchange_of(job);
     if (exchange->transport->begin) exchange->transport->begin(exchange);
     do {
         if (!exchange->work(exchange)) return; /* parked: it may be another thread's by now */
@@ -294,7 +322,7 @@ static void run(struct server_job *job)
 /* A job that is not wanted is late. */
 static void refuse(struct server_job *job, enum server_refusal why)
 {
-    struct server_exchange *exchange = exchange_of(job);
+    struct server_exchange *exchange = server_exchange_of(job);
     struct proto_problem problem;
     switch (why) {
     case SERVER_REFUSAL_DEADLINE:

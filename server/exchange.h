@@ -68,6 +68,7 @@ struct server_transport {
     void (*begin)(struct server_exchange *exchange);
     /* The part of the work that is done, in [0,1]; from any thread that works for it. NULL: the transport need not know. */
     void (*report)(struct server_exchange *exchange, double part);
+    bool can_stream; /* its client can take an answer as it comes (server_reply_stream) */
 };
 
 struct server_exchange {
@@ -77,8 +78,9 @@ struct server_exchange {
 
     const char *method; /* as in the request line */
     bool is_http10;
-    char *path;  /* percent-decoded; never NULL */
-    char *query; /* decoded in place: storage of the parameters */
+    char *target; /* storage of path and parameters, which are decoded in place */
+    size_t target_size;
+    const char *path; /* never NULL */
     uint32_t parameter_count, header_count;
     char *copies;                   /* of method and headers, when they are not the transport's; NULL: they are */
     const char *fault;              /* why the request could not be read, a sentence; NULL: it could */
@@ -106,8 +108,13 @@ struct server_exchange {
 
 /* --- for the transport (http.c) and the router -------------------------------------------------------------------- */
 
-/* An exchange of a raw target ("/v1/meshes?limit=3"), or NULL without memory. A target that can't be read is a
- * fault of the request. */
+/* Makes an exchange of a raw target ("/v1/meshes?limit=3") in memory that may be used again when it has ended. False without
+ * memory: then it has not begun. A target that can't be read is a fault of the request. */
+bool server_exchange_begin(struct server_exchange *exchange, struct server *server,
+                           const struct server_transport *transport, const char *target);
+void server_exchange_end(struct server_exchange *exchange);
+
+/* The same in memory of its own; NULL without memory. */
 struct server_exchange *server_exchange_create(struct server *server, const struct server_transport *transport,
                                                const char *target);
 void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harmless */
@@ -115,8 +122,8 @@ void server_exchange_destroy(struct server_exchange *exchange); /* NULL is harml
 /* Adds a request header; strings are borrowed until the exchange ends. One too many is a fault of the request. */
 void server_exchange_add_header(struct server_exchange *exchange, const char *name, const char *value);
 
-/* The same request for a transport that outlives this one's, or NULL without memory. It takes over the body and the query
- * string, and copies the rest. What is left of `exchange` can be answered. */
+/* The same request for a transport that outlives this one's, or NULL without memory. It takes over the body and copies
+ * the rest. What is left of `exchange` can be answered. */
 struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
                                                const struct server_transport *transport);
 
@@ -150,6 +157,9 @@ void server_exchange_keep(struct server_exchange *exchange, void *state, void (*
  * that is under way, so that those who wait for one answer don't fill the queue. */
 void server_exchange_defer(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange),
                            bool (*join)(struct server_exchange *exchange));
+
+/* Whose job it is. */
+struct server_exchange *server_exchange_of(struct server_job *job);
 
 /* Control of a long call on behalf of the exchange: its deadline, the daemon's drain, and that nobody wants the answer
  * any more unless others wait for `flight` (may be NULL). Calls of several threads for one exchange have one monitor each. */

@@ -1,7 +1,7 @@
 /* See http.h. The only file that includes microhttpd.h.
  *
- * DESIGN. A call is one request on one connection, made when its request line has been read and destroyed when the
- * library says that it is over.
+ * DESIGN. A call is one request on one connection, begun when its request line has been read and ended when the
+ * library says that it is over; the next one has its memory.
  *     HEAD    the library shows the headers: the router begins
  *     BODY    the library brings the body, piece by piece; then the router ends
  *     PARKED  the connection is suspended, a worker has the exchange; its transport's finish resumes the
@@ -31,6 +31,7 @@
 
 #include "server/connections.h"
 #include "server/events.h"
+#include "server/header_block.h"
 #include "server/log.h"
 #include "server/reply.h"
 #include "server/request_log.h"
@@ -38,7 +39,7 @@
 #include "server/server.h"
 #include "server/tls.h"
 
-#define CONNECTION_MEMORY  (32 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
+#define CONNECTION_MEMORY  (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
 #define CONNECTION_TIMEOUT 30u         /* seconds without a byte */
 #define SPARE_DESCRIPTORS  64u
 #define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
@@ -48,13 +49,20 @@ enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
 
 struct call {
     struct server_transport transport; /* first: an exchange finds its call by it */
-    struct server_exchange *exchange;
+    struct server_exchange *exchange;  /* the line's */
     struct MHD_Connection *connection;
     struct server_http *http;
     struct server_connection *wire;  /* what came in on the connection */
     uint64_t number;                 /* which of the connection's requests this is, from 0 on */
     enum phase phase;                /* written by the connection's HTTP thread only */
     atomic_uint_least64_t looked_ns; /* when the client was last looked at */
+};
+
+/* A connection, and the one call that it has at a time. */
+struct line {
+    struct server_connection *wire;
+    struct call call;
+    struct server_exchange exchange;
 };
 
 struct server_http {
@@ -103,21 +111,37 @@ static bool is_gone(struct server_exchange *exchange)
 
 /* --- from the library to the exchange ----------------------------------------------------------------------------- */
 
-static struct server_connection *wire_of(struct MHD_Connection *connection)
+static struct line *line_of(struct MHD_Connection *connection)
 {
     const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
 }
 
+static struct line *open_line(const struct server_http *http, struct MHD_Connection *connection)
+{
+    bool is_encrypted = http->server->tls != NULL;
+    struct line *line = malloc(sizeof *line);
+    if (!line) return NULL;
+    line->wire = server_connections_open(http->server->connections, socket_of(connection), is_encrypted);
+    if (line->wire) return line;
+    free(line);
+    return NULL;
+}
+
+static void close_line(struct line *line)
+{
+    if (!line) return;
+    server_connections_close(line->wire);
+    free(line);
+}
+
 static void on_connection(void *user, struct MHD_Connection *connection, void **context,
                           enum MHD_ConnectionNotificationCode what)
 {
-    const struct server_http *http = user;
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
-        bool is_encrypted = http->server->tls != NULL;
-        *context = server_connections_open(http->server->connections, socket_of(connection), is_encrypted);
-    } else if (*context) {
-        server_connections_close(*context);
+        *context = open_line(user, connection);
+    } else {
+        close_line(*context);
         *context = NULL;
     }
 }
@@ -126,21 +150,17 @@ static void on_connection(void *user, struct MHD_Connection *connection, void **
 static void *on_target(void *user, const char *target, struct MHD_Connection *connection)
 {
     struct server_http *http = user;
-    struct server_connection *wire = wire_of(connection);
-    struct call *call = wire ? malloc(sizeof *call) : NULL;
-    if (!call) return NULL;
-    *call = (struct call){.transport = {.finish = finish, .is_gone = is_gone},
-                          .connection = connection,
-                          .http = http,
-                          .wire = wire,
-                          .number = wire->requests++};
-    call->exchange = server_exchange_create(http->server, &call->transport, target);
-    if (!call->exchange) {
-        free(call);
-        return NULL;
-    }
+    struct line *line = line_of(connection);
+    if (!line) return NULL;
+    line->call = (struct call){.transport = {.finish = finish, .is_gone = is_gone, .can_stream = true},
+                               .exchange = &line->exchange,
+                               .connection = connection,
+                               .http = http,
+                               .wire = line->wire,
+                               .number = line->wire->requests++};
+    if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target)) return NULL;
     atomic_fetch_add(&http->active, 1);
-    return call;
+    return &line->call;
 }
 
 /* The library has answered it, or hung up. */
@@ -158,9 +178,8 @@ static void on_completed(void *user, struct MHD_Connection *connection, void **c
     (void)connection, (void)why;
     if (!call) return;
     if (call->phase == PHASE_BODY && call->wire->grammar.fault) log_broken_body(call);
-    server_exchange_destroy(call->exchange);
+    server_exchange_end(call->exchange);
     server_connection_end(call->wire);
-    free(call);
     *context = NULL;
     atomic_fetch_sub(&http->active, 1);
 }
@@ -205,6 +224,7 @@ static ssize_t on_read(void *user, uint64_t position, char *bytes, size_t size)
     struct call *call = user;
     (void)position;
     ptrdiff_t read = server_stream_read(call->exchange->response.stream, bytes, size);
+    if (read == SERVER_STREAM_CUT) return MHD_CONTENT_READER_END_WITH_ERROR;
     return read < 0 ? MHD_CONTENT_READER_END_OF_STREAM : read;
 }
 
@@ -224,13 +244,31 @@ static struct MHD_Response *make_whole(struct server_response *reply)
     return response;
 }
 
+static enum MHD_Result on_response_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
+{
+    (void)kind, (void)name;
+    server_header_block_break(user, (char *)value); /* the library's copy, which it writes as it is */
+    return MHD_YES;
+}
+
+static bool add_headers(struct MHD_Response *response, const struct server_response *reply)
+{
+    struct server_header_block block;
+    if (!reply->header_count) return true;
+    server_header_block_join(&block, reply);
+    return MHD_add_response_header(response, block.name, block.value) == MHD_YES &&
+           MHD_get_response_headers(response, on_response_header, &block) == 1;
+}
+
 static struct MHD_Response *make_response(struct call *call)
 {
     struct server_response *reply = &call->exchange->response;
     struct MHD_Response *response = reply->stream ? make_streamed(call) : make_whole(reply);
     if (!response) return NULL;
-    for (uint32_t i = 0; i < reply->header_count; i++)
-        MHD_add_response_header(response, reply->headers[i].name, reply->headers[i].value);
+    if (!add_headers(response, reply)) {
+        MHD_destroy_response(response);
+        return NULL;
+    }
     if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
     return response;
 }

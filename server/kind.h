@@ -44,7 +44,7 @@ struct server_kind {
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 };
 
-extern const struct server_kind server_kind_mesh;
+extern const struct server_kind server_kind_mesh, server_kind_nurbs, server_kind_subdivision;
 
 /* All kinds, NULL-terminated (kinds.c). */
 extern const struct server_kind *const server_kinds[];

@@ -45,16 +45,27 @@ static bool append_text(struct server_log_line *line, const char *text)
     return append(line, text, strlen(text));
 }
 
+/* Appends ,"KEY": */
 static bool append_key(struct server_log_line *line, const char *key)
 {
-    return append(line, ",\"", 2) && append_text(line, key) && append(line, "\":", 2);
+    size_t size = strlen(key);
+    if (line->size + size + 4 > sizeof line->text - LINE_RESERVE) return false;
+    char *at = line->text + line->size;
+    memcpy(at, ",\"", 2);
+    memcpy(at + 2, key, size);
+    memcpy(at + 2 + size, "\":", 2);
+    line->size += size + 4;
+    return true;
 }
+
+static const bool is_plain[256] = {
+    [' ' ... '!'] = true, ['#' ... '['] = true, [']' ... '~'] = true}; /* neither quote nor backslash */
 
 /* Bytes from the start of the text, at most `most`, that can be written as they are. */
 static size_t plain_run(const char *text, size_t most)
 {
     size_t run = 0;
-    while (run < most && text[run] >= 0x20 && text[run] < 0x7f && text[run] != '"' && text[run] != '\\') run++;
+    while (run < most && is_plain[(unsigned char)text[run]]) run++;
     return run;
 }
 

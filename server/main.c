@@ -9,6 +9,7 @@
 #include "server/config.h"
 #include "server/keygen.h"
 #include "server/log.h"
+#include "server/sandbox.h"
 #include "server/server.h"
 #include "server/store_tools.h"
 #include "server/version.h"
@@ -78,7 +79,10 @@ int main(int argc, char *argv[])
     if (config.check_store) return server_store_check(config.data_dir, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.backup)
         return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
+    if (*config.restore)
+        return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
+    struct server_sandbox sandbox = server_sandbox_enter(&config);
     server_log_start();
     struct server *server = server_start(&config, error, sizeof error);
     if (!server) {
@@ -86,6 +90,7 @@ int main(int argc, char *argv[])
         server_log_stop();
         return EXIT_FAILURE;
     }
+    server_sandbox_seal(&sandbox);
     log_address(&server->config);
     warn_of_clear_keys(&server->config);
     wait_for_end(server, &awaited);

@@ -12,6 +12,7 @@
 #include "server/connections.h"
 #include "server/events.h"
 #include "server/jobs.h"
+#include "server/scrub.h"
 #include "server/server.h"
 #include "server/version.h"
 
@@ -291,6 +292,25 @@ static void write_store(struct server *server, struct proto_writer *writer)
     write_one(writer, "mesh_unloads_total", "counter", "Meshes unloaded for room.", (double)registry.unloads);
     write_one(writer, "store_writable", "gauge", "1, or 0 after a write that could not be made durable.",
               server_registry_health(server->registry) == NULL);
+    write_one(writer, "store_damaged_files", "gauge", "Stored files that were found damaged: their meshes are refused.",
+              (double)registry.damaged);
+}
+
+static void write_scrub(struct server *server, struct proto_writer *writer)
+{
+    if (!server->scrub) return;
+    struct server_scrub_statistics scrub = server_scrub_statistics(server->scrub);
+    write_one(writer, "scrub_bytes_total", "counter", "Bytes of stored files that were looked through.",
+              (double)scrub.bytes);
+    write_one(writer, "scrub_files_total", "counter", "Stored files that were looked through.", (double)scrub.files);
+    write_one(writer, "scrub_rounds_total", "counter", "Times that all stored files were looked through.",
+              (double)scrub.rounds);
+    write_one(writer, "scrub_progress", "gauge", "Part of the round under way that is done; 1 between rounds.",
+              scrub.progress);
+    write_one(writer, "scrub_faults", "gauge", "Files that the last whole round found damaged, missing or unreadable.",
+              (double)scrub.faults);
+    write_one(writer, "scrub_end_timestamp_seconds", "gauge", "When the last whole round ended; 0: none has.",
+              (double)scrub.ended);
 }
 
 static void write_jobs(struct server *server, struct proto_writer *writer)
@@ -310,8 +330,8 @@ static void write_jobs(struct server *server, struct proto_writer *writer)
 
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
-    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",    "fields", "flight", "workspaces",
-                                                             "landmarks", "jobs",   "spare"};
+    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",    "fields",          "flight", "workspaces",
+                                                             "landmarks", "discretizations", "jobs",   "spare"};
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)
@@ -342,6 +362,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     write_cache(server, writer);
     write_searches(metrics, server, writer);
     write_store(server, writer);
+    write_scrub(server, writer);
     write_jobs(server, writer);
     write_memory(server, writer);
     write_process(metrics, writer);

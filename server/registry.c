@@ -207,6 +207,7 @@ uint32_t server_registry_list_all(struct server_registry *registry, const struct
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry)
 {
     struct server_registry_statistics statistics = {.loads = registry->loads, .unloads = registry->unloads};
+    if (registry->store->damaged) statistics.damaged = registry->store->damaged(registry->store);
     pthread_rwlock_rdlock(&registry->lock);
     statistics.surfaces = registry->count;
     for (uint32_t i = 0; i < registry->count; i++) statistics.loaded += registry->slots[i]->surface != NULL;
@@ -225,6 +226,18 @@ enum server_store_outcome server_registry_fetch(struct server_registry *registry
                                                 enum server_part part, void **bytes)
 {
     return registry->store->fetch(registry->store, record, part, bytes);
+}
+
+bool server_registry_can_verify(const struct server_registry *registry)
+{
+    return registry->store->verify != NULL;
+}
+
+enum server_store_verdict server_registry_verify(struct server_registry *registry, const struct server_record *record,
+                                                 enum server_part part, bool (*pace)(void *user, size_t bytes),
+                                                 void *user)
+{
+    return registry->store->verify(registry->store, record, part, pace, user);
 }
 
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface)

@@ -86,6 +86,14 @@ uint32_t server_registry_list_all(struct server_registry *registry, const struct
 enum server_store_outcome server_registry_fetch(struct server_registry *registry, const struct server_record *record,
                                                 enum server_part part, void **bytes);
 
+/* Can stored bytes be verified? A store that keeps none has none to look at. */
+bool server_registry_can_verify(const struct server_registry *registry);
+
+/* Compares a part that the record's surface has with its checksum: see store.h. */
+enum server_store_verdict server_registry_verify(struct server_registry *registry, const struct server_record *record,
+                                                 enum server_part part, bool (*pace)(void *user, size_t bytes),
+                                                 void *user);
+
 /* Keeps a surface in memory that was loaded, if its record is still the one of its key and no other was quicker. */
 void server_registry_keep(struct server_registry *registry, struct server_surface *surface);
 
@@ -99,7 +107,7 @@ void server_registry_note_uses(struct server_registry *registry);
 /* --- about it --- */
 
 struct server_registry_statistics {
-    uint64_t surfaces, loaded, loads, unloads;
+    uint64_t surfaces, loaded, loads, unloads, damaged; /* damaged: files in quarantine */
 };
 struct server_registry_statistics server_registry_statistics(struct server_registry *registry);
 

@@ -52,6 +52,16 @@ static void add_header(struct server_response *response, const char *name, const
     response->headers[response->header_count++].name = name;
 }
 
+void server_reply_tag(struct server_exchange *exchange, const char *etag)
+{
+    char quoted[SERVER_HEADER_VALUE];
+    size_t size = strnlen(etag, sizeof quoted - 3);
+    quoted[0] = '"';
+    memcpy(quoted + 1, etag, size);
+    memcpy(quoted + 1 + size, "\"", 2);
+    add_header(&exchange->response, "ETag", quoted);
+}
+
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size)
 {
@@ -128,7 +138,7 @@ bool server_reply_accepts_json(struct server_exchange *exchange)
 }
 
 /* "gzip" listed without a quality of zero. */
-static bool takes_gzip(const struct server_exchange *exchange)
+bool server_reply_takes_gzip(const struct server_exchange *exchange)
 {
     const char *list = server_exchange_header(exchange, "Accept-Encoding");
     const char *gzip = list ? strcasestr(list, "gzip") : NULL;
@@ -138,13 +148,19 @@ static bool takes_gzip(const struct server_exchange *exchange)
     return !quality || quality >= gzip + size || strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
 }
 
+void server_reply_coding(struct server_exchange *exchange, bool is_packed)
+{
+    add_header(&exchange->response, "Vary", "Accept-Encoding");
+    if (is_packed) add_header(&exchange->response, "Content-Encoding", "gzip");
+}
+
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset)
 {
     add_header(&exchange->response, "ETag", asset->etag);
     add_header(&exchange->response, "Vary", "Accept-Encoding");
     add_header(&exchange->response, "Referrer-Policy", "no-referrer");
     add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
-    if (asset->gzip && takes_gzip(exchange)) {
+    if (asset->gzip && server_reply_takes_gzip(exchange)) {
         add_header(&exchange->response, "Content-Encoding", "gzip");
         set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
     } else {
@@ -224,7 +240,7 @@ static void compress(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     size_t size;
-    if (!is_packable(response) || !takes_gzip(exchange)) return;
+    if (!is_packable(response) || !server_reply_takes_gzip(exchange)) return;
     void *compressed = server_gzip(response->body, response->size, &size);
     if (!compressed) return;
     drop_body(response);

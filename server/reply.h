@@ -12,6 +12,9 @@
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* Adds the entity tag, which comes without quotes. */
+void server_reply_tag(struct server_exchange *exchange, const char *etag);
+
 /* What the writer holds, as JSON or as another static media type; the writer is freed. A writer that failed gives
  * its problem. */
 void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer);
@@ -25,6 +28,10 @@ void server_reply_bytes(struct server_exchange *exchange, unsigned status, const
 /* A body that comes as it happens; the stream becomes the exchange's. */
 void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
                          struct server_stream *stream);
+
+/* Whether such a body may come packed by gzip, and the headers that say how it comes. */
+bool server_reply_takes_gzip(const struct server_exchange *exchange);
+void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 
 /* A static file, in its compressed form where the client takes it. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);

@@ -7,6 +7,7 @@
 
 #include "server/exchange.h"
 #include "server/log.h"
+#include "server/server.h"
 
 #define PEER_TEXT 64
 
@@ -22,12 +23,27 @@ static const char *print_peer(const struct sockaddr *peer, char text[PEER_TEXT])
     return getnameinfo(peer, size, text, PEER_TEXT, NULL, 0, NI_NUMERICHOST) == 0 ? text : NULL;
 }
 
+/* The line's event and level; of several that it may be, the worst. */
+struct kind {
+    const char *event;
+    enum server_log_level level;
+};
+
+static struct kind kind_of(const struct server_exchange *exchange, uint64_t nanoseconds)
+{
+    uint64_t slow_ms = exchange->server->config.slow_ms;
+    bool is_slow = slow_ms && nanoseconds >= slow_ms * 1000000;
+    if (exchange->response.status == 500) return (struct kind){"request", SERVER_LOG_ERROR};
+    return is_slow ? (struct kind){"slow_request", SERVER_LOG_WARN} : (struct kind){"request", SERVER_LOG_INFO};
+}
+
 void server_request_log(const struct server_exchange *exchange, const struct sockaddr *peer, uint64_t nanoseconds)
 {
     const struct server_response *response = &exchange->response;
     struct server_log_line line;
     char text[PEER_TEXT];
-    if (!server_log_begin(&line, response->status == 500 ? SERVER_LOG_ERROR : SERVER_LOG_INFO, "request")) return;
+    const struct kind kind = kind_of(exchange, nanoseconds);
+    if (!server_log_begin(&line, kind.level, kind.event)) return;
     server_log_text(&line, "method", exchange->method);
     server_log_text(&line, "path", exchange->path);
     server_log_text(&line, "route", exchange->match.route ? exchange->match.route->path : NULL);

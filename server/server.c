@@ -16,6 +16,7 @@
 #include "server/http.h"
 #include "server/jobs.h"
 #include "server/keeper.h"
+#include "server/scrub.h"
 #include "server/timekeeper.h"
 #include "server/tls.h"
 
@@ -32,11 +33,13 @@
 static void destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
+    server_scrub_destroy(server->scrub);
     server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
     server_jobs_destroy(server->jobs);
     server_events_destroy(server->events);
     server_registry_destroy(server->registry);
+    server_discretizations_destroy(server->discretizations);
     server_landmarks_destroy(server->landmarks);
     server_field_store_close(server->fields);
     server_loads_destroy(server->loads);
@@ -112,13 +115,17 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     if (!create_registry(server, error, error_size)) return false;
     if (config->landmarks) server->landmarks = server_landmarks_create(server);
     if (config->landmarks && !server->landmarks) return false;
+    server->discretizations = server_discretizations_create(server);
+    if (!server->discretizations) return false;
     server->events = server_events_create();
     server->jobs = server_jobs_create(server);
     if (!server->events || !server->jobs) return false;
     server->timekeeper = server_timekeeper_create(server);
     server->keeper = server_keeper_create(server);
+    bool scrubs = config->scrub_s && server_registry_can_verify(server->registry);
+    if (scrubs) server->scrub = server_scrub_create(server);
     server->connections = server_connections_create();
-    return server->timekeeper && server->keeper && server->connections;
+    return server->timekeeper && server->keeper && server->connections && (!scrubs || server->scrub);
 }
 
 static bool listen_on(struct server *server, char *error, size_t error_size)
@@ -186,9 +193,11 @@ static void remove_socket(const struct server_address *address)
     if (address->socket.ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
 }
 
-/* Nothing else runs but the keeper, which is ending. */
+/* Nothing else runs but the keeper and the scrub, which are ending. */
 static void persist(struct server *server)
 {
+    server_scrub_destroy(server->scrub);
+    server->scrub = NULL;
     server_keeper_destroy(server->keeper);
     server->keeper = NULL;
     server_registry_note_uses(server->registry);

@@ -1,8 +1,8 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
  * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget, workspaces, workers, cache, loads, metrics, store
- * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, events, jobs, timekeeper,
- * keeper, connections, http. Workspaces, workers, cache, loads, landmarks, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
+ * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, discretizations, events, jobs, timekeeper,
+ * keeper, scrub, connections, http. Workspaces, workers, cache, loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
  * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
  * Budget and metrics are atomic.
  *
@@ -19,6 +19,7 @@
 #include "server/budget.h"
 #include "server/cache.h"
 #include "server/config.h"
+#include "server/discretizations.h"
 #include "server/guard.h"
 #include "server/landmarks.h"
 #include "server/loads.h"
@@ -35,6 +36,7 @@ struct server_jobs;
 struct server_timekeeper;
 struct server_tls;
 struct server_keeper;
+struct server_scrub;
 struct server_field_store;
 
 struct server {
@@ -50,11 +52,13 @@ struct server {
     struct server_registry *registry;
     struct server_field_store *fields;  /* NULL: nothing is stored */
     struct server_landmarks *landmarks; /* NULL: there are none */
+    struct server_discretizations *discretizations;
     struct server_metrics *metrics;
     struct server_events *events;
     struct server_jobs *jobs;
     struct server_timekeeper *timekeeper;
     struct server_keeper *keeper;
+    struct server_scrub *scrub; /* NULL: nothing is looked through */
     struct server_connections *connections;
     struct server_http *http;
     atomic_uint deferred; /* exchanges that connections and jobs have submitted */

@@ -4,14 +4,51 @@
 #include <gnutls/crypto.h>
 #include <stdlib.h>
 
-void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX])
+#define DIGEST 32
+
+static void print(const unsigned char digest[DIGEST], char hex[SERVER_SHA256_HEX])
 {
     static const char digits[] = "0123456789abcdef";
-    unsigned char digest[32];
-    if (gnutls_hash_fast(GNUTLS_DIG_SHA256, bytes, size, digest) != 0) abort(); /* only if the library has no SHA-256 */
-    for (int i = 0; i < 32; i++) {
+    for (int i = 0; i < DIGEST; i++) {
         hex[2 * i] = digits[digest[i] >> 4];
         hex[2 * i + 1] = digits[digest[i] & 15];
     }
-    hex[64] = '\0';
+    hex[2 * DIGEST] = '\0';
+}
+
+/* Only a library without SHA-256 fails. */
+static void insist(int code)
+{
+    if (code != 0) abort();
+}
+
+void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX])
+{
+    unsigned char digest[DIGEST];
+    insist(gnutls_hash_fast(GNUTLS_DIG_SHA256, bytes, size, digest));
+    print(digest, hex);
+}
+
+/* The library's own state, by another name. */
+static gnutls_hash_hd_t state_of(struct server_sha256 *sum)
+{
+    return (gnutls_hash_hd_t)sum;
+}
+
+struct server_sha256 *server_sha256_begin(void)
+{
+    gnutls_hash_hd_t state;
+    return gnutls_hash_init(&state, GNUTLS_DIG_SHA256) == 0 ? (struct server_sha256 *)state : NULL;
+}
+
+void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size)
+{
+    insist(gnutls_hash(state_of(sum), bytes, size));
+}
+
+void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX])
+{
+    unsigned char digest[DIGEST];
+    gnutls_hash_deinit(state_of(sum), digest);
+    print(digest, hex);
 }

@@ -1,4 +1,4 @@
-/* SHA-256 of a buffer. */
+/* SHA-256, of a buffer or of what comes piece by piece. */
 #ifndef SERVER_SHA256_H
 #define SERVER_SHA256_H
 
@@ -8,5 +8,11 @@
 
 /* Lower-case hexadecimal. */
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
+
+/* The same of pieces, one after the other. NULL without memory. */
+struct server_sha256;
+struct server_sha256 *server_sha256_begin(void);
+void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size);
+void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX]); /* frees it */
 
 #endif

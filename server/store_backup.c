@@ -1,4 +1,4 @@
-/* See store_tools.h: --backup.
+/* See store_tools.h: --backup and --restore, which differ in how objects are brought over.
  *
  * The database is copied as it is at one moment; what its rows name is then brought over. A file that a replacement or
  * a delete took away meanwhile means that the moment was a bad one: then it is done again. */
@@ -16,6 +16,7 @@
 struct backup {
     FILE *out;
     struct server_store_files from, to; /* `from` is only read, without its lock */
+    enum server_disk_result (*bring)(const char *path, const char *second);
     enum server_store_outcome outcome;
     unsigned surfaces;
     unsigned long long bytes;
@@ -36,7 +37,7 @@ static struct server_record *read_row(const struct server_row *row)
     return server_record_read(row->text, row->size, &record) == SERVER_RECORD_READ ? record : NULL;
 }
 
-static enum server_store_outcome link_object(struct backup *backup, const struct server_object *object)
+static enum server_store_outcome bring_object(struct backup *backup, const struct server_object *object)
 {
     char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH], folder[SERVER_DISK_PATH];
     void *bytes = NULL;
@@ -44,7 +45,7 @@ static enum server_store_outcome link_object(struct backup *backup, const struct
     server_files_object_path(&backup->to, to, object->id);
     snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     enum server_disk_result result = server_disk_make_folder(folder);
-    if (!result && access(to, F_OK) != 0) result = server_disk_link(from, to);
+    if (!result && access(to, F_OK) != 0) result = backup->bring(from, to);
     if (!result) result = server_disk_sync_folder(folder);
     if (result) return server_files_outcome(result);
     enum server_store_outcome outcome = server_files_read_object(&backup->to, object, &bytes);
@@ -53,21 +54,21 @@ static enum server_store_outcome link_object(struct backup *backup, const struct
     return outcome;
 }
 
-static enum server_store_outcome link_objects(struct backup *backup, const struct server_record *record)
+static enum server_store_outcome bring_objects(struct backup *backup, const struct server_record *record)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object)) outcome = link_object(backup, &object);
+        if (server_record_object(record, part, &object)) outcome = bring_object(backup, &object);
     return outcome;
 }
 
-static bool on_row_link(void *user, const struct server_row *row)
+static bool on_row_bring(void *user, const struct server_row *row)
 {
     struct backup *backup = user;
     struct server_record *record = read_row(row);
     if (!record) return give_up(backup, SERVER_STORE_DAMAGED, "a row of the database is damaged", row->key);
-    enum server_store_outcome outcome = link_objects(backup, record);
+    enum server_store_outcome outcome = bring_objects(backup, record);
     backup->surfaces++;
     server_record_release(record);
     return !outcome || give_up(backup, outcome, "an uploaded file is damaged, or can't be copied", row->key);
@@ -114,7 +115,7 @@ static enum server_store_outcome copy_moment(struct backup *backup)
     if (!outcome) outcome = server_database_open(path, &database);
     if (outcome) return outcome;
     backup->outcome = SERVER_STORE_DONE;
-    outcome = server_database_each(database, on_row_link, backup);
+    outcome = server_database_each(database, on_row_bring, backup);
     if (!outcome && !backup->outcome) outcome = server_database_each(database, on_row_manifest, backup);
     server_database_close(database, true);
     return outcome ? outcome : backup->outcome;
@@ -136,13 +137,13 @@ static bool copy_store(struct backup *backup)
     if (outcome == SERVER_STORE_ABSENT)
         fprintf(backup->out, "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
     if (!outcome && server_disk_sync_folder(backup->to.folder) == SERVER_DISK_DONE) return true;
-    fprintf(backup->out, "no backup was made; what there is of it in '%s' can be deleted\n", backup->to.folder);
+    fprintf(backup->out, "no copy was made; what there is of it in '%s' can be deleted\n", backup->to.folder);
     return false;
 }
 
-bool server_store_backup(const char *folder, const char *copy, FILE *out)
+static bool copy_folder(struct backup backup, const char *folder, const char *copy)
 {
-    struct backup backup = {.out = out};
+    FILE *out = backup.out;
     char error[512];
     snprintf(backup.from.folder, sizeof backup.from.folder, "%s", folder);
     if (!server_files_open(&backup.to, copy, error, sizeof error)) {
@@ -155,4 +156,22 @@ bool server_store_backup(const char *folder, const char *copy, FILE *out)
                 copy);
     server_files_close(&backup.to);
     return copied;
+}
+
+bool server_store_backup(const char *folder, const char *copy, FILE *out)
+{
+    return copy_folder((struct backup){.out = out, .bring = server_disk_link}, folder, copy);
+}
+
+bool server_store_restore(const char *folder, const char *backup, FILE *out)
+{
+    struct server_store_files files;
+    char error[512];
+    if (!server_files_open_existing(&files, backup, error, sizeof error)) {
+        fprintf(out, "%s\n", error);
+        return false;
+    }
+    bool restored = copy_folder((struct backup){.out = out, .bring = server_disk_copy}, backup, folder);
+    server_files_close(&files);
+    return restored;
 }

@@ -82,7 +82,7 @@ static enum server_store_outcome connect_to(struct server_database *database, co
     if (code) return server_store_outcome_of(code);
     sqlite3_extended_result_codes(database->connection, 1);
     sqlite3_busy_timeout(database->connection, BUSY_MS);
-    return run(database, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
+    return run(database, "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON; PRAGMA temp_store = MEMORY");
 }
 
 static enum server_store_outcome make_ready(struct server_database *database, const char *path)

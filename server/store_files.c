@@ -117,6 +117,8 @@ static enum server_disk_result sync_path(const char *folder)
     do {
         path = dirname(path);
         if (access(path, W_OK) == 0) result = server_disk_sync_folder(path);
+        if (result == SERVER_DISK_LOST && errno == EACCES)
+            result = SERVER_DISK_DONE; /* it is out of reach (sandbox.h) */
     } while (!result && strcmp(path, "/") != 0 && strcmp(path, ".") != 0);
     return result;
 }
@@ -184,7 +186,8 @@ bool server_files_open_existing(struct server_store_files *files, const char *fo
     char lock[SERVER_DISK_PATH];
     if (!set_folder(files, folder, error, error_size)) return false;
     if (!has_folder(files, "objects") || !has_folder(files, "manifests")) {
-        snprintf(error, error_size, "there is no data folder at '%s': name one by --data-dir", folder);
+        snprintf(error, error_size, "there is no data folder at '%s': name one that a daemon or --backup has made",
+                 folder);
         return false;
     }
     server_files_path(files, lock, "lock");
@@ -214,6 +217,45 @@ enum server_store_outcome server_files_read_object(const struct server_store_fil
     }
     *bytes = read;
     return SERVER_STORE_DONE;
+}
+
+struct verification {
+    struct server_sha256 *sum;
+    uint64_t size;
+    bool (*pace)(void *user, size_t bytes);
+    void *user;
+    bool was_ended;
+};
+
+static bool on_piece(void *user, const void *bytes, size_t size)
+{
+    struct verification *verification = user;
+    server_sha256_add(verification->sum, bytes, size);
+    verification->size += size;
+    verification->was_ended = !verification->pace(verification->user, size);
+    return !verification->was_ended;
+}
+
+static enum server_store_verdict judge_scan(enum server_disk_result result, bool was_ended, bool is_same)
+{
+    if (result == SERVER_DISK_ABSENT) return SERVER_VERDICT_MISSING;
+    if (result == SERVER_DISK_NO_MEMORY || was_ended) return SERVER_VERDICT_NONE;
+    if (result) return SERVER_VERDICT_UNREADABLE;
+    return is_same ? SERVER_VERDICT_SOUND : SERVER_VERDICT_DAMAGED;
+}
+
+enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
+                                                     const struct server_object *object,
+                                                     bool (*pace)(void *user, size_t bytes), void *user)
+{
+    char path[SERVER_DISK_PATH], found[SERVER_SHA256_HEX];
+    struct verification verification = {.sum = server_sha256_begin(), .pace = pace, .user = user};
+    if (!verification.sum) return SERVER_VERDICT_NONE;
+    server_files_object_path(files, path, object->id);
+    enum server_disk_result result = server_disk_scan(path, on_piece, &verification);
+    server_sha256_end(verification.sum, found);
+    bool is_same = verification.size == object->size && strncmp(found, object->id, HASH) == 0;
+    return judge_scan(result, verification.was_ended, is_same);
 }
 
 static bool has_object(const struct server_store_files *files, const struct server_object *object)

@@ -55,6 +55,10 @@ enum server_store_outcome server_files_write_object(struct server_store_files *f
 /* Reads and verifies it. */
 enum server_store_outcome server_files_read_object(const struct server_store_files *files,
                                                    const struct server_object *object, void **bytes);
+/* Reads it piece by piece, as it is on the disk, and compares. */
+enum server_store_verdict server_files_verify_object(const struct server_store_files *files,
+                                                     const struct server_object *object,
+                                                     bool (*pace)(void *user, size_t bytes), void *user);
 void server_files_remove_object(const struct server_store_files *files, const char *object);
 
 /* --- manifests --- */

@@ -59,14 +59,21 @@ static void look_after(struct server_store_local *local)
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */
 
+static enum server_store_outcome write_object(struct server_store_local *local, const struct server_object *object,
+                                              const void *bytes)
+{
+    enum server_store_outcome outcome = server_files_write_object(&local->files, object, bytes);
+    if (!outcome) server_quarantine_lift(&local->quarantine, object->id);
+    return outcome;
+}
+
 static enum server_store_outcome write_objects(struct server_store_local *local, const struct server_record *record,
                                                const struct server_content *content)
 {
     enum server_store_outcome outcome = SERVER_STORE_DONE;
     struct server_object object;
     for (int part = 0; !outcome && part < SERVER_PARTS; part++)
-        if (server_record_object(record, part, &object))
-            outcome = server_files_write_object(&local->files, &object, content->parts[part]);
+        if (server_record_object(record, part, &object)) outcome = write_object(local, &object, content->parts[part]);
     return judge(local, outcome, "a surface's file");
 }
 
@@ -75,7 +82,9 @@ static void drop_if_unused(struct server_store_local *local, const char *object)
     int64_t count;
     if (!can_write(local) || local->lacks_rows) return;
     if (server_database_count(local->database, object, &count) != SERVER_STORE_DONE) return;
-    if (count == 0) server_files_remove_object(&local->files, object);
+    if (count) return;
+    server_files_remove_object(&local->files, object);
+    server_quarantine_lift(&local->quarantine, object);
 }
 
 static void drop_unused(struct server_store_local *local, const struct server_record *record)
@@ -176,9 +185,34 @@ static enum server_store_outcome remove_record(struct server_store *store, const
 static enum server_store_outcome fetch(struct server_store *store, const struct server_record *record,
                                        enum server_part part, void **bytes)
 {
+    struct server_store_local *local = local_of(store);
     struct server_object object;
     if (!server_record_object(record, part, &object)) return SERVER_STORE_ABSENT;
-    return server_files_read_object(&local_of(store)->files, &object, bytes);
+    if (server_quarantine_holds(&local->quarantine, object.id)) return SERVER_STORE_DAMAGED;
+    uint64_t turn = server_quarantine_turn(&local->quarantine);
+    enum server_store_outcome outcome = server_files_read_object(&local->files, &object, bytes);
+    if (outcome == SERVER_STORE_DAMAGED) (void)server_quarantine_condemn(&local->quarantine, object.id, turn);
+    return outcome;
+}
+
+/* Who mends a file behind the daemon's back has it back after the next look. */
+static enum server_store_verdict verify(struct server_store *store, const struct server_record *record,
+                                        enum server_part part, bool (*pace)(void *user, size_t bytes), void *user)
+{
+    struct server_store_local *local = local_of(store);
+    struct server_object object;
+    if (!server_record_object(record, part, &object)) return SERVER_VERDICT_MISSING;
+    uint64_t turn = server_quarantine_turn(&local->quarantine);
+    enum server_store_verdict verdict = server_files_verify_object(&local->files, &object, pace, user);
+    bool was_held = server_quarantine_holds(&local->quarantine, object.id);
+    if (verdict == SERVER_VERDICT_SOUND && was_held) server_quarantine_lift(&local->quarantine, object.id);
+    if (verdict != SERVER_VERDICT_DAMAGED) return verdict;
+    return server_quarantine_condemn(&local->quarantine, object.id, turn) ? verdict : SERVER_VERDICT_NONE;
+}
+
+static uint32_t damaged(struct server_store *store)
+{
+    return server_quarantine_count(&local_of(store)->quarantine);
 }
 
 static void note_uses(struct server_store *store, const struct server_record *const *records,
@@ -213,6 +247,7 @@ static void close_store(struct server_store *store)
     server_local_forget_found(local);
     server_database_close(local->database, can_write(local));
     server_files_close(&local->files);
+    server_quarantine_clear(&local->quarantine);
     free(local);
 }
 
@@ -227,10 +262,14 @@ struct server_store *server_store_local_open(const char *folder, char *error, si
                                          .remove = remove_record,
                                          .tidy = tidy,
                                          .fetch = fetch,
+                                         .verify = verify,
+                                         .damaged = damaged,
                                          .note_uses = note_uses,
                                          .health = health,
                                          .close = close_store};
+    server_quarantine_init(&local->quarantine);
     if (!server_files_open(&local->files, folder, error, error_size)) {
+        server_quarantine_clear(&local->quarantine);
         free(local);
         return NULL;
     }

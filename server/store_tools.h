@@ -16,4 +16,9 @@ bool server_store_check(const char *folder, FILE *out);
  * with a sentence on `out`. */
 bool server_store_backup(const char *folder, const char *copy, FILE *out);
 
+/* The way back: makes the data folder `folder`, which must not hold one, of a backup, every file of which is
+ * verified. Objects are copied: what becomes of the blocks of one folder later must not harm the other. False with a
+ * sentence on `out`. */
+bool server_store_restore(const char *folder, const char *backup, FILE *out);
+
 #endif

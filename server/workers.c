@@ -5,14 +5,20 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "gd/control.h"
+
+#define NICE 10 /* of the workers: an HTTP thread that has something to do gets a processor from them at once */
 
 struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work;
     struct server_job *head, **tail; /* the queue; `tail` points to the last `next` */
     uint32_t queued, queue_length, running, thread_count;
+    struct server_job *parked;     /* see server_workers_park */
     struct server_job *background; /* jobs for idle times, the latest first */
     bool is_hosting;               /* a thread runs one of them */
     bool leaving;                  /* threads end once the queue is empty */
@@ -47,7 +53,16 @@ static struct server_job *pop_front(struct server_workers *workers)
     return job;
 }
 
-/* Takes the expired jobs out, as a list. */
+/* Takes the job out of the list; NULL: it is not there. */
+static struct server_job *take_out(struct server_job **list, const struct server_job *job)
+{
+    while (*list && *list != job) list = &(*list)->next;
+    struct server_job *found = *list;
+    if (found) *list = found->next;
+    return found;
+}
+
+/* Takes the expired jobs out of the queue, as a list. */
 static struct server_job *take_expired(struct server_workers *workers, uint64_t now_ns)
 {
     struct server_job *expired = server_jobs_expire(&workers->head, now_ns);
@@ -100,6 +115,7 @@ static void host(struct server_workers *workers)
 static void *work(void *user)
 {
     struct server_workers *workers = user;
+    (void)setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* of this thread only; as it was if refused */
     pthread_mutex_lock(&workers->lock);
     for (;;) {
         while (!workers->head && !may_host(workers) && !workers->leaving)
@@ -190,12 +206,32 @@ void server_workers_submit_background(struct server_workers *workers, struct ser
 bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_job **place = &workers->background;
-    while (*place && *place != job) place = &(*place)->next;
-    bool is_found = *place != NULL;
-    if (is_found) *place = job->next;
+    bool is_found = take_out(&workers->background, job) != NULL;
     pthread_mutex_unlock(&workers->lock);
     return is_found;
+}
+
+bool server_workers_park(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) {
+        job->next = workers->parked;
+        workers->parked = job;
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return !cancelled;
+}
+
+void server_workers_unpark(struct server_workers *workers, const struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *parked = take_out(&workers->parked, job);
+    if (parked) {
+        push_front(workers, parked);
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
 }
 
 void server_workers_yield(struct server_workers *workers)
@@ -218,8 +254,10 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
 {
     pthread_mutex_lock(&workers->lock);
     struct server_job *expired = take_expired(workers, now_ns);
+    struct server_job *parked = server_jobs_expire(&workers->parked, now_ns);
     pthread_mutex_unlock(&workers->lock);
     server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
+    server_jobs_refuse(parked, SERVER_REFUSAL_DEADLINE);
 }
 
 void server_workers_cancel(struct server_workers *workers)
@@ -227,8 +265,10 @@ void server_workers_cancel(struct server_workers *workers)
     pthread_mutex_lock(&workers->lock);
     atomic_store(&workers->cancelled, true);
     struct server_job *queued = take_expired(workers, UINT64_MAX);
+    struct server_job *parked = server_jobs_expire(&workers->parked, UINT64_MAX);
     pthread_mutex_unlock(&workers->lock);
     server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
+    server_jobs_refuse(parked, SERVER_REFUSAL_DRAINING);
     server_workers_refuse_background(workers, SERVER_REFUSAL_DRAINING);
 }
 

@@ -1,7 +1,7 @@
 /* Workers: the second lane. A bounded queue of jobs and the threads that run them.
  *
  * DESIGN. Each submitted job ends in exactly one call of `run` that does not park it or of `refuse` (job.h); a parked
- * one comes back through server_workers_resume. One mutex guards queue and state; `run` and `refuse` are called
+ * one comes back through server_workers_resume, or waits here for an unpark. One mutex guards queue and state; `run` and `refuse` are called
  * without it, so they may take any lock.
  *
  * Background jobs are for idle times: one at a time, begun when the queue is empty. Such a job yields every millisecond or
@@ -33,6 +33,14 @@ void server_workers_resume(struct server_workers *workers, struct server_job *jo
 /* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */
 void server_workers_submit_background(struct server_workers *workers, struct server_job *job);
 
+/* Lets a running job wait for somebody who calls unpark: the last act of its run. It is refused when it gets late or at a cancel; false
+ * after one: it is not parked, and goes on. */
+bool server_workers_park(struct server_workers *workers, struct server_job *job);
+
+/* Queues a parked job again, ahead of the others. A job that is not parked any more, or not there any more, is let be. Takes no
+ * lock but its own, and calls nothing. */
+void server_workers_unpark(struct server_workers *workers, const struct server_job *job);
+
 /* Takes a background job back that was not begun: it is the caller's again. False: it runs, or ran, or was refused. The caller sees to it that the job
  * is still there to be asked about. */
 bool server_workers_withdraw(struct server_workers *workers, struct server_job *job);
@@ -43,10 +51,10 @@ void server_workers_yield(struct server_workers *workers);
 /* Refuses the background jobs that were not begun. */
 void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why);
 
-/* Refuses the queued jobs that are late. */
+/* Refuses the queued and parked jobs that are late. */
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 
-/* Refuses all queued and coming jobs, those of the background too, and makes server_workers_cancelled true. */
+/* Refuses all queued, parked and coming jobs, those of the background too, and makes server_workers_cancelled true. */
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 

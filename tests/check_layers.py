@@ -19,8 +19,8 @@ PUBLIC = {
     "field": ["field", "path", "isoline", "voronoi"],
     "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
     "cut": ["cut"],
-    "transport": ["trace", "vector", "mean"],
-    "subdiv": ["subdivision", "limit", "limit_path", "discretization"],
+    "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset"],
+    "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
 }
 ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for name in names}

@@ -141,6 +141,12 @@
 /* A line that bends at a vertex by less than this angle is straight there: going round on the other side would shorten it by the square. */
 #define GD_TOL_BEND 1e-10
 
+/* A closed curve is a geodesic when it misses being straight by less than this angle where it begins and ends: its length is off by the square. */
+#define GD_TOL_CLOSED_TURN 1e-9
+
+/* A closed curve that is no longer than this part of what it was shrinks to a point. */
+#define GD_TOL_VANISH 1e-9
+
 /* Points of a spline that are closer than this part of the distance to the farthest of their neighbours are one point: what is between them has no direction. */
 #define GD_TOL_SAME_POINT 1e-12
 

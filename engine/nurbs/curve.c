@@ -113,6 +113,19 @@ static enum gd_status break_step(struct gd_domain_curve *curve, uint32_t *capaci
     return status;
 }
 
+/* The piece lies in the hull of its control points. */
+static bool is_in_one_cell(const struct gd_domain_curve *curve, uint32_t span)
+{
+    const double(*points)[2] = (const double(*)[2])curve->points + (span - curve->degree);
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = curve->surface->axis[k];
+        int32_t cell = gd__axis_cell(axis, points[0][k]);
+        for (uint32_t i = 1; i <= curve->degree; i++)
+            if (gd__axis_cell(axis, points[i][k]) != cell) return false;
+    }
+    return true;
+}
+
 static enum gd_status find_breaks(struct gd_domain_curve *curve)
 {
     uint32_t capacity = 0;
@@ -121,7 +134,7 @@ static enum gd_status find_breaks(struct gd_domain_curve *curve)
         double a = curve->knots[span], b = curve->knots[span + 1];
         if (!(a < b)) continue;
         status = add_break(curve, &capacity, a);
-        for (int i = 0; i < LOOKS && !status; i++)
+        for (int i = is_in_one_cell(curve, span) ? LOOKS : 0; i < LOOKS && !status; i++)
             status = break_step(curve, &capacity, span, a + (b - a) * i / LOOKS,
                                 i + 1 == LOOKS ? b : a + (b - a) * (i + 1) / LOOKS);
     }

@@ -77,10 +77,16 @@ static double clamp(const struct gd_domain_curve *curve, double s)
     return curve->closed ? s : fmin(fmax(s, curve->low), curve->high);
 }
 
+/* Places no farther apart are one place in space. */
+static double nearness(const struct gd_parametric *surface)
+{
+    return GD_TOL_COINCIDE * surface->size + GD_TOL_LOCATE * surface->farthest;
+}
+
 /* Gauss-Newton on x(a(s)) - x(b(t)): quadratic where the curves cross. True: they meet. */
 static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b, double s[2])
 {
-    double near = GD_TOL_COINCIDE * a->surface->size + GD_TOL_LOCATE * a->surface->farthest;
+    double near = nearness(a->surface);
     for (int i = 0; i < STEPS_MOST; i++) {
         struct view p = view_of(a, s[0]), q = view_of(b, s[1]);
         struct gd_vec3 r = gd_vec3_sub(p.x, q.x);
@@ -103,14 +109,14 @@ static double apart(const struct places *a, const struct places *b, uint32_t i, 
 }
 
 /* A pair no farther apart than the pairs around it, and near enough that the curves can meet between. */
-static bool is_candidate(const struct places *a, const struct places *b, uint32_t i, uint32_t j)
+static bool is_candidate(const struct places *a, const struct places *b, double near, uint32_t i, uint32_t j)
 {
     double here = apart(a, b, i, j), step = 0;
     if (i) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i - 1]));
     if (i + 1 < a->count) step = fmax(step, gd_vec3_distance(a->x[i], a->x[i + 1]));
     if (j) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j - 1]));
     if (j + 1 < b->count) step = fmax(step, gd_vec3_distance(b->x[j], b->x[j + 1]));
-    if (here > 2 * step && here > 0) return false;
+    if (here > 2 * step + near) return false;
     if (i && apart(a, b, i - 1, j) < here) return false;
     if (i + 1 < a->count && apart(a, b, i + 1, j) < here) return false;
     if (j && apart(a, b, i, j - 1) < here) return false;
@@ -121,13 +127,14 @@ enum gd_status gd__curves_meet(const struct gd_domain_curve *a, const struct gd_
                                const struct gd_control *control, bool *meet, double s[2])
 {
     struct places of_a = {0}, of_b = {0};
+    double near = nearness(a->surface);
     enum gd_status status = look(a, &of_a);
     if (!status) status = look(b, &of_b);
     *meet = false;
     for (uint32_t i = 0; i < of_a.count && !status && !*meet; i++) {
         status = gd_control_check(control, 0);
         for (uint32_t j = 0; j < of_b.count && !status && !*meet; j++) {
-            if (!is_candidate(&of_a, &of_b, i, j)) continue;
+            if (!is_candidate(&of_a, &of_b, near, i, j)) continue;
             double at[2] = {of_a.s[i], of_b.s[j]};
             *meet = approach(a, b, at);
             if (*meet) s[0] = at[0], s[1] = at[1];

@@ -31,6 +31,7 @@ static enum gd_status follow(struct gd__tracer *tracer, double length, const str
     enum gd_status status = GD_OK;
     while (!status && !tracer->ended && path->length < length) {
         if (path->step_count % 8 == 1) status = gd_control_check(control, path->length / length);
+        if (!status) status = gd_control_afford(control, 3 * (size_t)path->step_count * sizeof *path->steps);
         if (!status) status = gd__tracer_step(tracer, length - path->length, &path->length);
         if (!status) status = append(path, surface, &tracer->spot, tracer->position);
         if (!status && path->step_count >= GD_LIMIT_STEPS) {

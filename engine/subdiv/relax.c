@@ -80,9 +80,9 @@ static enum gd_status hit(const struct aim *aim, double length, struct gd_limit_
     for (int i = 0; !status && better && i < SHOTS && shot.miss > GD_TOL_PLACE * length; i++)
         status = improve(aim, &shot, &better);
     *out = (struct gd_limit_geodesic){.path = shot.path};
-    out->error_estimate =
-        shot.miss + fabs(shot.length - shot.path.length) + GD_TOL_GEODESIC * shot.path.step_count * length;
-    out->converged = shot.miss <= GD_TOL_SHOT * length && fabs(shot.length - length) <= GD_TOL_SAME_WAY * length;
+    double off = shot.miss + fabs(shot.length - shot.path.length); /* it may have met the boundary before */
+    out->error_estimate = off + GD_TOL_GEODESIC * shot.path.step_count * length;
+    out->converged = off <= GD_TOL_SHOT * length && fabs(shot.length - length) <= GD_TOL_SAME_WAY * length;
     if (status || !out->converged) gd_limit_path_free(&out->path);
     return status;
 }

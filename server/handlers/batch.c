@@ -1,9 +1,12 @@
 /* Batch: many queries in one request, a line each, answered in their order by the same steps as requests of their own
  * (query.h).
  *
- * One worker takes line after line; a line that has to wait for somebody else's field parks the whole exchange. The
- * answer is collected and leaves as a whole: when it has grown too large or too dear, or when the time is over, the
- * lines that are left are told so. */
+ * One worker takes line after line; a line that has to wait for somebody else's field parks the whole exchange. When the
+ * time is over, or memory, the lines that are left are told so.
+ *
+ * The answer is collected at first, and leaves as a whole if that goes without a stop. Before the first line that takes time, or when
+ * much is collected, the exchange is answered with a stream (relay.h), and the work goes on in one detached from it: from
+ * then on what is collected is handed on before each line that takes time. A job (Prefer: respond-async) collects all. */
 #include "server/handlers/handlers.h"
 
 #include <stdlib.h>
@@ -16,19 +19,23 @@
 #include "server/handlers/description.h"
 #include "server/handlers/query.h"
 #include "server/handlers/request.h"
+#include "server/relay.h"
 #include "server/reply.h"
 #include "server/server.h"
 
 #define NDJSON      "application/x-ndjson"
-#define ANSWER_MOST ((size_t)64 << 20) /* bytes of answers after which no line is begun */
+#define ANSWER_MOST ((size_t)64 << 20) /* bytes of collected answers after which no line is begun */
+#define RIPE        65536              /* bytes of answers that are handed on even before a quick line */
 
 struct batch {
-    struct server_exchange *exchange;
+    struct server_exchange *exchange; /* the request's, or the one that goes on when that is answered */
     struct server_surface *surface;
     struct proto_batch_line line; /* in work */
     struct server_query *query;   /* of that line; NULL: it is answered */
     size_t begin;                 /* of its answer */
-    struct proto_writer writer;
+    struct proto_writer writer;   /* of answers that are not handed on */
+    struct server_relay *relay;   /* NULL: none was handed on */
+    bool has_answered_all, is_refused;
 };
 
 static const struct server_query_kind *const kinds[] = {&server_query_distance,        &server_query_path,
@@ -38,6 +45,8 @@ static const struct server_query_kind *const kinds[] = {&server_query_distance, 
 static void free_batch(void *state)
 {
     struct batch *batch = state;
+    if (batch->relay) server_relay_end(batch->relay, batch->has_answered_all);
+    server_relay_release(batch->relay);
     server_query_destroy(batch->query);
     server_surface_release(batch->surface);
     proto_writer_free(&batch->writer);
@@ -82,14 +91,19 @@ static bool read_line(struct batch *batch, struct proto_problem *problem)
 
 /* --- a line's answer ---------------------------------------------------------------------------------------------- */
 
+/* OK, or why no more work is to be done. */
+static enum gd_status check_time(const struct batch *batch)
+{
+    const struct server_body *body = &batch->exchange->body;
+    struct server_monitor monitor = {.exchange = batch->exchange, .share = 1};
+    struct gd_control control = server_exchange_control(&monitor);
+    return gd_control_check(&control, (double)(batch->line.text - body->bytes) / (double)body->size);
+}
+
 /* Is there time and room for another line? */
 static bool admit(const struct batch *batch, struct proto_problem *problem)
 {
-    const struct server_exchange *exchange = batch->exchange;
-    struct server_monitor monitor = {.exchange = batch->exchange, .share = 1};
-    struct gd_control control = server_exchange_control(&monitor);
-    enum gd_status status =
-        gd_control_check(&control, (double)(batch->line.text - exchange->body.bytes) / (double)exchange->body.size);
+    enum gd_status status = check_time(batch);
     if (status) return proto_problem_from_status(problem, status, NULL);
     if (batch->begin < ANSWER_MOST) return true;
     proto_problem_set(
@@ -104,7 +118,8 @@ static bool admit(const struct batch *batch, struct proto_problem *problem)
 static bool hold(struct batch *batch, struct proto_problem *problem)
 {
     struct server_budget *budget = &batch->exchange->server->budget;
-    size_t more = batch->writer.capacity > batch->exchange->held ? batch->writer.capacity - batch->exchange->held : 0;
+    size_t bytes = batch->writer.capacity + (batch->relay ? SERVER_RELAY_MOST : 0);
+    size_t more = bytes > batch->exchange->held ? bytes - batch->exchange->held : 0;
     if (!proto_writer_check(&batch->writer, problem)) return false;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, more))
         return server_budget_refuse(budget, "the answer", more, problem);
@@ -147,16 +162,155 @@ static bool begin_line(struct batch *batch)
     return true;
 }
 
+/* --- handing on --------------------------------------------------------------------------------------------------- */
+
+/* Bytes of lines that are answered. */
+static size_t ready_in(const struct batch *batch)
+{
+    return batch->query ? batch->begin : batch->writer.size;
+}
+
+/* Is it time to hand on what is collected? */
+static bool is_ripe(const struct batch *batch)
+{
+    size_t ready = ready_in(batch);
+    return batch->exchange->transport->can_stream && (batch->query ? ready > 0 : ready >= RIPE);
+}
+
+static void hand_on(struct batch *batch)
+{
+    struct proto_writer *writer = &batch->writer;
+    size_t ready = ready_in(batch);
+    server_relay_write(batch->relay, writer->data, ready);
+    writer->size -= ready;
+    memmove(writer->data, writer->data + ready, writer->size);
+    batch->begin = 0;
+}
+
+static bool is_over(struct server_exchange *exchange)
+{
+    const struct batch *batch = exchange->state;
+    return server_relay_is_over(batch->relay);
+}
+
+static const struct server_transport detached = {
+    .finish = server_exchange_destroy, .is_gone = is_over, .can_stream = true};
+
+/* A line that waits for somebody's field is refused when it is late, as are all after it: their answers say so. */
+static void refuse(struct server_job *job, enum server_refusal why)
+{
+    struct server_exchange *exchange = server_exchange_of(job);
+    struct batch *batch = exchange->state;
+    (void)why;
+    batch->is_refused = batch->query != NULL;
+    job->run(job);
+}
+
+/* Answers the request with the stream of the relay; the rest of the work is another exchange's. NULL without memory. */
+static struct server_exchange *detach(struct batch *batch, struct server_relay *relay, bool is_packed)
+{
+    struct server_exchange *exchange = batch->exchange;
+    struct server_exchange *rest = server_exchange_detach(exchange, &detached);
+    struct server_stream *stream = rest ? server_relay_open(relay) : NULL;
+    if (!stream) {
+        if (rest) exchange->body = rest->body;
+        if (rest) rest->body = (struct server_body){0};
+        server_exchange_destroy(rest);
+        return NULL;
+    }
+    server_description_tag(exchange, batch->surface->record);
+    server_reply_coding(exchange, is_packed);
+    server_reply_stream(exchange, 200, NDJSON, stream);
+    return rest;
+}
+
+/* From here on the batch is the other exchange's. */
+static void move_to(struct batch *batch, struct server_exchange *rest)
+{
+    struct server_exchange *exchange = batch->exchange;
+    rest->job.deadline_ns = exchange->job.deadline_ns;
+    rest->job.refuse = refuse;
+    rest->work = exchange->work;
+    rest->held = exchange->held;
+    exchange->held = 0;
+    server_exchange_keep(rest, batch, free_batch);
+    server_exchange_keep(exchange, NULL, NULL);
+    batch->exchange = rest;
+    if (batch->query) batch->query->exchange = rest;
+}
+
+/* True: the exchange is answered, and the batch is another thread's. False, without memory: it goes on collecting. */
+static bool start_stream(struct batch *batch)
+{
+    struct server *server = batch->exchange->server;
+    bool is_packed = server_reply_takes_gzip(batch->exchange);
+    struct server_relay *relay = server_relay_create(server, is_packed);
+    struct server_exchange *rest = relay ? detach(batch, relay, is_packed) : NULL;
+    if (!rest) {
+        server_relay_release(relay);
+        return false;
+    }
+    batch->relay = relay;
+    move_to(batch, rest);
+    server_deferred_begin(server);
+    server_workers_resume(server->workers, &rest->job);
+    return true;
+}
+
+/* --- from the first line to the last ------------------------------------------------------------------------------ */
+
+/* True: there is nothing more to be done now, as `is_done` says: the exchange is answered or else parked. */
+static bool pass_on(struct batch *batch, bool *is_done)
+{
+    if (!is_ripe(batch)) return false;
+    if (!batch->relay) return *is_done = start_stream(batch);
+    hand_on(batch);
+    *is_done = false;
+    return server_relay_wait(batch->relay, &batch->exchange->job);
+}
+
+static void end_late_line(struct batch *batch)
+{
+    struct proto_problem problem;
+    enum gd_status status = check_time(batch);
+    (void)proto_problem_from_status(&problem, status ? status : GD_DEADLINE, NULL);
+    batch->is_refused = false;
+    end_line(batch, false, &problem);
+}
+
+static bool is_wanted(const struct batch *batch)
+{
+    return !batch->relay || !server_relay_is_over(batch->relay);
+}
+
+static void reply(struct batch *batch)
+{
+    struct server_exchange *exchange = batch->exchange;
+    if (batch->relay) {
+        hand_on(batch);
+        batch->has_answered_all = true;
+        server_reply_empty(exchange, 200);
+        return;
+    }
+    server_description_tag(exchange, batch->surface->record);
+    server_reply_text(exchange, 200, NDJSON, &batch->writer);
+}
+
 static bool work(struct server_exchange *exchange)
 {
     struct batch *batch = exchange->state;
     struct proto_problem problem;
-    while (batch->query || begin_line(batch)) {
-        if (!batch->query) continue;
-        if (!take_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem)) return false;
+    bool is_done;
+    if (batch->is_refused) end_late_line(batch);
+    while (is_wanted(batch)) {
+        if (pass_on(batch, &is_done)) return is_done;
+        if (batch->query) {
+            if (!take_turn(batch, batch->query->kind->solve(batch->query, &problem), &problem)) return false;
+        } else if (!begin_line(batch)) {
+            break;
+        }
     }
-    server_description_tag(exchange, batch->surface->record);
-    server_reply_text(exchange, 200, NDJSON, &batch->writer);
+    reply(batch);
     return true;
 }
 

@@ -53,7 +53,7 @@ static enum gd_status cut_mesh(void *user, const struct gd_control *control, siz
     const struct gd_mesh *mesh = cut->query.surface->mesh;
     struct gd_curve curve;
     enum gd_status status =
-        gd_curve_resolve(mesh, &cut->curve.request, cutting->landmarks, control, &curve, &cutting->detail);
+        proto_curve_resolve(mesh, &cut->curve, cutting->landmarks, control, &curve, &cutting->detail);
     cutting->has_curve = !status;
     if (status) return status;
     const struct gd_cut_request request = {
@@ -65,16 +65,15 @@ static enum gd_status cut_mesh(void *user, const struct gd_control *control, siz
     return status;
 }
 
-static bool refuse(const struct cutting *cutting, enum gd_status status, struct proto_problem *problem)
+static bool refuse(struct cutting *cutting, enum gd_status status, struct proto_problem *problem)
 {
     if (status == GD_BUDGET || cutting->detail.text[0] == '\0') {
         server_query_fail(&cutting->cut->query, status, WHAT, problem);
         return false;
     }
     server_query_count(&cutting->cut->query, status);
-    proto_problem_from_status(problem, status, &cutting->detail);
-    if (!cutting->has_curve) proto_problem_at(problem, cutting->cut->curve.place);
-    return false;
+    if (!cutting->has_curve) return proto_curve_fail(&cutting->cut->curve, status, &cutting->detail, problem);
+    return proto_problem_from_status(problem, status, &cutting->detail);
 }
 
 static bool make_cut(struct cut *cut, struct proto_problem *problem)

@@ -32,7 +32,7 @@ bool server_description_remember(struct server_surface *surface)
 
 void server_description_tag(struct server_exchange *exchange, const struct server_record *record)
 {
-    server_reply_header(exchange, "ETag", "\"%s\"", record->etag);
+    server_reply_tag(exchange, record->etag);
 }
 
 void server_description_reply(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)

@@ -64,6 +64,28 @@ void server_handle_voronoi(struct server_exchange *exchange);
 /* sampling.c */
 void server_handle_farthest_points(struct server_exchange *exchange);
 
+/* nurbs.c, nurbs_geodesic.c, nurbs_tessellate.c */
+void server_handle_nurbs_evaluate(struct server_exchange *exchange);
+void server_handle_nurbs_nearest(struct server_exchange *exchange);
+void server_handle_nurbs_geodesic(struct server_exchange *exchange);
+void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange);
+void server_handle_nurbs_curve_distance(struct server_exchange *exchange);
+void server_handle_nurbs_tessellate(struct server_exchange *exchange);
+
+/* vertex_parameters.c */
+void server_handle_get_mesh_parameters(struct server_exchange *exchange);
+
+/* subdivisions.c, subdivisions_trace.c, subdivisions_path.c, subdivisions_discretize.c */
+void server_handle_subdivision_evaluate(struct server_exchange *exchange);
+void server_handle_subdivision_nearest(struct server_exchange *exchange);
+void server_handle_subdivision_trace(struct server_exchange *exchange);
+void server_handle_subdivision_distance(struct server_exchange *exchange);
+void server_handle_subdivision_path(struct server_exchange *exchange);
+void server_handle_subdivision_discretize(struct server_exchange *exchange);
+
+/* vertex_places.c */
+void server_handle_get_mesh_places(struct server_exchange *exchange);
+
 /* cut.c */
 void server_handle_cut(struct server_exchange *exchange);
 
@@ -73,6 +95,12 @@ void server_handle_exp(struct server_exchange *exchange);
 void server_handle_log(struct server_exchange *exchange);
 void server_handle_transport(struct server_exchange *exchange);
 void server_handle_mean(struct server_exchange *exchange);
+
+/* spline.c */
+void server_handle_spline(struct server_exchange *exchange);
+
+/* curve.c */
+void server_handle_curve(struct server_exchange *exchange);
 
 /* jobs.c */
 void server_handle_list_jobs(struct server_exchange *exchange);

@@ -195,7 +195,8 @@ static void release_job(void *user)
 static void reply_events(struct server_exchange *exchange, struct server_async *job)
 {
     struct server *server = exchange->server;
-    const struct server_event_source source = {event_version, tell_event, release_job, server_async_retain(job)};
+    const struct server_event_source source = {
+        .version = event_version, .tell = tell_event, .release = release_job, .user = server_async_retain(job)};
     struct server_stream *stream = server_stream_open(server->events, &source);
     if (!stream) {
         server_async_release(job);

@@ -122,14 +122,14 @@ class Daemon:
     def raw(self, text, shut=False):
         """Sends bytes as they are; all that comes back until the daemon closes or falls silent."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=3) as connection:
-            connection.sendall(text)
-            if shut:
-                connection.shutdown(socket.SHUT_WR)
             received = b""
             try:
+                connection.sendall(text)
+                if shut:
+                    connection.shutdown(socket.SHUT_WR)
                 while data := connection.recv(65536):
                     received += data
-            except (TimeoutError, ConnectionResetError):
+            except (TimeoutError, ConnectionResetError, BrokenPipeError):
                 pass
             return received
 

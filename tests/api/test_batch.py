@@ -1,10 +1,12 @@
 """Batches: each line is answered as the query would be alone."""
 import gzip
+import http.client
 import json
 import random
 import threading
 import time
 import unittest
+import zlib
 
 from harness import SEARCHES, TWO_TRIANGLES, Daemon, TestCase, sample
 
@@ -13,6 +15,14 @@ NDJSON = {"Content-Type": "application/x-ndjson"}
 
 def lines_of(*documents):
     return "".join(json.dumps(document) + "\n" for document in documents)
+
+
+def wait_until(condition, seconds=60):
+    until = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > until:
+            raise TimeoutError(condition)
+        time.sleep(0.01)
 
 
 class Batches(TestCase):
@@ -177,12 +187,129 @@ class Batches(TestCase):
         self.assert_line(found[1], 504, "deadline_exceeded", 2)
         self.assert_line(found[2], 504, "deadline_exceeded", 3)
 
-    def test_answers_have_a_largest_size(self):
+    def test_collected_answers_have_a_largest_size(self):
         many = [{"vertex": number} for number in range(642)] * 3
         row = {"query": "matrix", "sources": many, "targets": many}
-        found = self.answers("ball", lines_of(row, row, row))
+        started = self.batch("ball", lines_of(row, row, row), Prefer="respond-async")
+        self.assertEqual(started.status, 202)
+        wait_until(lambda: self.daemon.get(started.headers["Location"]).json["state"] == "done")
+        found = [json.loads(line) for line in self.daemon.get(started.headers["Location"] + "/result").body.splitlines()]
         self.assertEqual([answer["status"] for answer in found], [200, 413, 413])
         self.assertEqual(self.assert_line(found[1], 413, "too_large", 2)["limit"], 64 << 20)
+        self.assertEqual([answer["status"] for answer in self.answers("ball", lines_of(row, row))], [200] * 2)
+
+
+class Streams(TestCase):
+    """Answers leave as they are there, if any takes time."""
+    QUICK = {"query": "nearest", "point": {"vertex": 0}}
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("ball", sample("icosphere", level=3))
+        cls.daemon.put("large", sample("icosphere", level=6))
+        some = [{"vertex": number} for number in range(8)]
+        cls.slow = {"query": "matrix", "sources": some, "targets": some, "fields": "distances"}
+
+    def begin(self, mesh, body, query="", **headers):
+        """A connection whose answer is not read yet."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.daemon.port, timeout=60)
+        connection.request("POST", f"/v1/meshes/{mesh}/batch{query}", body, {**NDJSON, **headers})
+        answer = connection.getresponse()
+        self.addCleanup(connection.close)
+        self.addCleanup(answer.close)
+        return connection, answer
+
+    def test_lines_come_as_they_are_done_and_in_order(self):
+        connection, answer = self.begin("large", lines_of(self.QUICK, self.slow, self.QUICK, self.slow, {"query": "x"}))
+        self.assertEqual((answer.status, answer.getheader("Transfer-Encoding")), (200, "chunked"))
+        self.assertEqual(answer.getheader("ETag"), self.daemon.get("/v1/meshes/large").headers["ETag"])
+        found, times = [], []
+        for line in answer:
+            found.append(json.loads(line))
+            times.append(time.monotonic())
+        self.assertEqual([line["status"] for line in found], [200, 200, 200, 200, 400])
+        self.assertEqual(["vertex" in line for line in found], [True, False, True, False, False])
+        self.assertEqual(found[1], found[3])
+        self.assertGreater(times[1] - times[0], 0.02)
+        self.assertGreater(times[3] - times[2], 0.02)
+        connection.request("GET", "/livez")  # the connection goes on
+        self.assertEqual(connection.getresponse().status, 200)
+
+    def test_quick_lines_leave_as_a_whole(self):
+        _, answer = self.begin("ball", lines_of(self.QUICK, self.QUICK))
+        self.assertEqual(answer.getheader("Transfer-Encoding"), None)
+        self.assertEqual(len(answer.read()), int(answer.getheader("Content-Length")))
+
+    def test_the_stream_says_what_the_whole_says(self):
+        numbers = random.Random(3)
+        body = lines_of(*({"query": "path", "from": {"vertex": numbers.randrange(642)}, "to": {"vertex": numbers.randrange(642)}}
+                          for _ in range(500)))
+        started = self.daemon.request("POST", "/v1/meshes/ball/batch", body, {**NDJSON, "Prefer": "respond-async"})
+        wait_until(lambda: self.daemon.get(started.headers["Location"]).json["state"] == "done")
+        whole = self.daemon.get(started.headers["Location"] + "/result").body
+        for coding in ("identity", "gzip"):
+            _, answer = self.begin("ball", body, **{"Accept-Encoding": coding})
+            self.assertEqual((answer.getheader("Transfer-Encoding"), answer.getheader("Vary")), ("chunked", "Accept-Encoding"))
+            bytes_read = answer.read()
+            self.assertEqual(answer.getheader("Content-Encoding"), "gzip" if coding == "gzip" else None)
+            found = gzip.decompress(bytes_read) if coding == "gzip" else bytes_read
+            self.assertEqual([self.rounded(line) for line in found.splitlines()], [self.rounded(line) for line in whole.splitlines()])
+
+    @staticmethod
+    def rounded(line):
+        answer = json.loads(line)
+        return answer["status"], round(answer["distance"], 9), answer["from"], answer["to"]
+
+    def test_a_packed_line_can_be_read_at_once(self):
+        connection, answer = self.begin("large", lines_of(self.QUICK, *[self.slow] * 20), **{"Accept-Encoding": "gzip"})
+        unpacker = zlib.decompressobj(31)
+        line = b""
+        while b"\n" not in line:
+            line += unpacker.decompress(answer.read1(4096))
+        self.assertEqual(json.loads(line.splitlines()[0])["vertex"], 0)
+        connection.close()
+        wait_until(self.is_idle, 10)
+
+    def is_idle(self):
+        return self.daemon.metric("workers_busy") == 0
+
+    def test_a_client_that_leaves_stops_the_work(self):
+        connection, answer = self.begin("large", lines_of(self.QUICK, *[self.slow] * 1000))
+        answer.readline()
+        self.assertFalse(self.is_idle())
+        connection.close()
+        answer.close()
+        wait_until(self.is_idle, 10)
+
+    def test_a_slow_reader_stops_the_work_and_memory_stays_bounded(self):
+        every = [{"vertex": number} for number in range(642)]
+        row = {"query": "matrix", "sources": every, "targets": every, "fields": "distances"}  # 7 MB
+        connection, answer = self.begin("ball", lines_of(*[row] * 6))
+        wait_until(self.is_idle)  # the work waits, and no worker with it
+        self.assertLess(self.daemon.metric('memory_bytes{class="flight"}'), 24 << 20)
+        found = [json.loads(line)["status"] for line in answer]
+        self.assertEqual(found, [200] * 6)
+        connection.close()
+
+    def test_the_time_is_over_for_lines_after_the_first(self):
+        _, answer = self.begin("large", lines_of(self.QUICK, *[self.slow] * 1000), "?timeout_ms=300")
+        found = [json.loads(line) for line in answer]
+        self.assertEqual((len(found), found[0]["status"], found[-1]["status"], found[-1]["code"]),
+                         (1001, 200, 504, "deadline_exceeded"))
+        self.assertEqual(found[-1]["elements"], [{"line": 1001}])
+
+    def test_the_end_of_the_daemon(self):
+        with Daemon("--drain-ms", "300") as daemon:
+            daemon.put("large", sample("icosphere", level=6))
+            connection = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=60)
+            connection.request("POST", "/v1/meshes/large/batch", lines_of(self.QUICK, *[self.slow] * 1000), NDJSON)
+            answer = connection.getresponse()
+            answer.readline()
+            self.assertEqual(daemon.stop(), 0)
+            found = [json.loads(line)["status"] for line in answer]
+            connection.close()
+            self.assertEqual((len(found), found[-1]), (1000, 503))
 
 
 class Parked(unittest.TestCase):

@@ -191,7 +191,7 @@ class Curves(TestCase):
     def test_refusals(self):
         wrong = [
             ({"a": {"vertices": [0, 1]}}, 400, "/b"),
-            ({"a": {"spline": {}}, "b": {"vertices": [0]}}, 400, "/a/spline"),
+            ({"a": {"spline": {}}, "b": {"vertices": [0]}}, 400, "/a/spline/points"),
             ({"a": {"vertices": [0, 99]}, "b": {"vertices": [0]}}, 400, "/a"),
             ({"a": {"vertices": [0]}, "b": {"boundary": 5}}, 400, "/b"),
             ({"a": {"vertices": [0]}, "b": {"vertices": [0]}, "measure": "max"}, 400, "/measure"),

@@ -209,7 +209,7 @@ class Cut(TestCase):
             ("grid", {"boundary": 1}, "/curve"),
             ("grid", {"boundary": "all"}, "/curve/boundary"),
             ("grid", {"boundary": 0, "closed": True}, "/curve/closed"),
-            ("grid", {"spline": {"points": [point]}}, "/curve/spline"),
+            ("grid", {"spline": {"points": [point]}}, "/curve/spline/points"),
             ("apart", {"points": [{"vertex": 0}, {"vertex": 4}]}, "/curve"),
             ("grid", [], "/curve"),
         ]

@@ -6,7 +6,8 @@ usage: tests/bench/throughput.py [--build DIR] [--turns N] [--seconds S] [--thre
 
 Throughput: wrk asks for 10,000 distinct pairs whose fields are cached, over and over, and asks gd_http_bare the same; that one answers
 each with a fixed body as large as the daemon's are on average, by as many threads. That the cache answered every request is read in
-/metrics. A ratio is the median of the turns' ratios of requests a second. With --batch the kernel's scheduler takes wrk for a batch job: it
+/metrics. A ratio is the median of the turns' ratios of requests a second. Beside it stand microseconds of processor time a request, user
+and kernel, of either program: they hardly notice what else the machine does. With --batch the kernel's scheduler takes wrk for a batch job: it
 does not preempt the server at each answer, as it does where it waits for a server that shares its processors.
 
 Latency: the same pairs at half of the throughput, paced by wrk's delay(): each connection waits before each request, so that a
@@ -16,6 +17,7 @@ slow answer delays the next request of its own connection only. Meanwhile a work
 import contextlib
 import http.client
 import json
+import os
 import pathlib
 import random
 import shutil
@@ -55,6 +57,12 @@ function done(summary, latency, requests)
 end
 """
 PACE = "local low, high = %d, %d\nfunction delay() return math.random(low, high) end"
+
+
+def processor_seconds(process):
+    """What a running program has taken so far."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")  # utime, stime
 
 
 class Daemon:
@@ -158,26 +166,28 @@ class Work:
         connection = self.daemon.connect()
         return round(statistics.mean(len(self.daemon.ask(connection, "GET", url)) for url in self.urls(kind)[:SIZES]))
 
-    def load(self, port, kind, options, connections, pace=""):
-        """What wrk measures."""
+    def load(self, program, kind, options, connections, pace=""):
+        """What wrk measures, and what processor time the program takes for it."""
         script, targets = self.folder / "script.lua", self.folder / f"{kind}.txt"
         script.write_text(SCRIPT.replace("PACE", pace))
         targets.write_text("".join(url + "\n" for url in self.urls(kind)))
         batch = ["chrt", "--batch", "0"] if options.batch and not pace else []
-        command = [*batch, "wrk", "-t", options.threads, "-c", connections, "-d", options.seconds, "-s", script, f"http://127.0.0.1:{port}",
-                   "--", targets]
+        command = [*batch, "wrk", "-t", options.threads, "-c", connections, "-d", options.seconds, "-s", script,
+                   f"http://127.0.0.1:{program.port}", "--", targets]
+        before = processor_seconds(program.process)
         done = subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
         if done.returncode != 0:
             raise Failure(f"wrk: {done.stderr.strip() or done.stdout.strip()}")
         result = json.loads(done.stdout.splitlines()[-1])
         if result["failed"]:
             raise Failure(f"wrk: {result['failed']} requests failed")
-        return result | {"rate": result["requests"] / result["seconds"]}
+        taken = processor_seconds(program.process) - before
+        return result | {"rate": result["requests"] / result["seconds"], "cpu_us": taken / result["requests"] * 1e6}
 
     def load_daemon(self, *arguments):
         """The same of the daemon, all of whose answers must come from the cache."""
         before = self.daemon.metrics()
-        result = self.load(self.daemon.port, *arguments)
+        result = self.load(self.daemon, *arguments)
         after = self.daemon.metrics()
         hits, searches = (after[name] - before[name] for name in ("cache_hits_total", "searches_total"))
         if hits < result["requests"] or searches:
@@ -196,21 +206,23 @@ def race(work, kind, options):
         for turn in range(options.turns):
             show_progress(f"{kind}: turn {turn + 1} of {options.turns}")
             ours = work.load_daemon(kind, options, options.connections)
-            turns.append({"daemon": ours, "bare": work.load(bare.port, kind, options, options.connections)})
+            turns.append({"daemon": ours, "bare": work.load(bare, kind, options, options.connections)})
     show_progress("")
     ratios = [turn["daemon"]["rate"] / turn["bare"]["rate"] for turn in turns]
     return {"bytes": size, "turns": turns, "ratio": statistics.median(ratios), "ratio_least": min(ratios), "ratio_most": max(ratios)}
 
 
-def median_rate(result, program):
-    return statistics.median(turn[program]["rate"] for turn in result["turns"])
+def median_of(result, program, key):
+    return statistics.median(turn[program][key] for turn in result["turns"])
 
 
 def print_races(results):
-    rows = [[kind, number(result["bytes"]), number(median_rate(result, "daemon")), number(median_rate(result, "bare")), f"{result['ratio']:.3f}",
+    programs = "daemon", "bare"
+    rows = [[kind, number(result["bytes"]), *(number(median_of(result, program, "rate")) for program in programs),
+             *(f"{median_of(result, program, 'cpu_us'):.2f}" for program in programs), f"{result['ratio']:.3f}",
              f"{result['ratio_least']:.3f}-{result['ratio_most']:.3f}", *(f"{wanted:g}" for wanted in KINDS[kind][1:])]
             for kind, result in results.items()]
-    print_table(["answers", "bytes", "daemon /s", "bare /s", "ratio", "range", "to reach", "aim"], rows)
+    print_table(["answers", "bytes", "daemon /s", "bare /s", "daemon cpu us", "bare cpu us", "ratio", "range", "to reach", "aim"], rows)
 
 
 # --- latency --------------------------------------------------------------------------------------------------------------------
@@ -306,7 +318,7 @@ def measure(options, folder):
         if races:
             print_races(races)
         if options.only in "latency":
-            most = median_rate(races["distance"], "daemon") if races else work.load_daemon("distance", options, options.connections)["rate"]
+            most = median_of(races["distance"], "daemon", "rate") if races else work.load_daemon("distance", options, options.connections)["rate"]
             latency = measure_latency(work, options, most / 2)
             print_latency(latency, work.large["faces"])
             results |= {"latency": latency, "large_faces": work.large["faces"]}

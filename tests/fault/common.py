@@ -27,15 +27,16 @@ def build_shim(name, folder):
 
 
 class Shimmed(Daemon):
-    """A daemon under a preloaded library, if one is given."""
+    """A daemon under a preloaded library, if one is given: which has files of its own that the sandbox knows nothing of."""
 
     def __init__(self, folder, *flags, library=None, environment=None):
         saved = dict(os.environ)
         os.environ.update(environment or {})
         if library:
             os.environ["LD_PRELOAD"] = str(library)
+        sandbox = ("--sandbox", "off") if library else ()
         try:
-            super().__init__("--data-dir", str(folder), "--workers", "2", "--http-threads", "2", *flags)
+            super().__init__("--data-dir", str(folder), "--workers", "2", "--http-threads", "2", *sandbox, *flags)
         finally:
             os.environ.clear()
             os.environ.update(saved)

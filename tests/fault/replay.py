@@ -53,7 +53,8 @@ class Scenario:
 
     def die_at_the_start(self):
         """Killed when it has made a folder whose name is not durable as yet; False: it had none to make."""
-        environment = {**os.environ, **self.environment, "LD_PRELOAD": str(self.library), "RECORD_KILL": "M"}
+        environment = {**os.environ, **self.environment, "LD_PRELOAD": str(self.library), "RECORD_KILL": "M",
+                       "GEODESICD_SANDBOX": "off"}
         process = subprocess.Popen([PROGRAM, "--data-dir", self.folder, "--listen", "127.0.0.1:0"], env=environment,
                                    stderr=subprocess.PIPE, text=True)
         while (line := process.stderr.readline()) and '"listening"' not in line:

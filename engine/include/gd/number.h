@@ -14,7 +14,7 @@ const char *gd_number_parse(const char *at, const char *end, double *out);
 #define GD_NUMBER_SIZE 26
 
 /* Writes the shortest decimal that reads back as the same (finite) double, as a JSON number: plain for magnitudes in [1e-6, 1e17), integers
- * without a fraction, else with an exponent ("1e-7", "1.5e300"). No NUL; returns the end. Some 60 ns. */
+ * without a fraction, else with an exponent ("1e-7", "1.5e300"). No NUL; returns the end. Some 25 ns. */
 char *gd_number_format(char at[GD_NUMBER_SIZE], double value);
 
 #ifdef __cplusplus

@@ -112,6 +112,30 @@ static void limits_are_kept(void **state)
     gd_parametric_release(surface);
 }
 
+/* Even steps, whatever knots lie between; closed directions and poles are joined all the same. */
+static void steps_are_as_many_as_asked_for(void **state)
+{
+    (void)state;
+    struct gd_parametric *surfaces[] = {nurbs_torus(2, 1, 1, 0), nurbs_sphere(), nurbs_bumps(8, 4, 0.5, 1)};
+    const uint32_t vertices[] = {7 * 10, 7 * 9 + 2, 8 * 11}, faces[] = {140, 126, 140};
+    for (int i = 0; i < 3; i++) {
+        struct gd_tessellation *tessellation = NULL;
+        const struct gd_tessellation_options wrong[] = {{.steps = {2, 5}}, {.steps = {5, 0}}, {.steps = {0, 5}}},
+                                             many = {.steps = {1u << 16, 1u << 16}}, right = {.steps = {7, 10}};
+        for (int k = 0; k < 3; k++)
+            assert_int_equal(gd_tessellation_build(surfaces[i], &wrong[k], NULL, &tessellation, NULL),
+                             GD_INVALID_ARGUMENT);
+        assert_int_equal(gd_tessellation_build(surfaces[i], &many, NULL, &tessellation, NULL), GD_TOO_LARGE);
+        check_ok(gd_tessellation_build(surfaces[i], &right, NULL, &tessellation, NULL), NULL);
+        const struct gd_mesh_summary *summary = gd_mesh_summary(gd_tessellation_mesh(tessellation));
+        assert_int_equal(summary->vertices, vertices[i]);
+        assert_int_equal(summary->faces, faces[i]);
+        vertices_lie_on_the_surface(tessellation);
+        gd_tessellation_release(tessellation);
+        gd_parametric_release(surfaces[i]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -119,6 +143,7 @@ int main(void)
         cmocka_unit_test(places_go_there_and_back),
         cmocka_unit_test(a_deviation_is_kept),
         cmocka_unit_test(limits_are_kept),
+        cmocka_unit_test(steps_are_as_many_as_asked_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

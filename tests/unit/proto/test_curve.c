@@ -83,7 +83,8 @@ static void refuses_what_is_no_curve(void **state)
         {"{\"vertices\":[0,1.5]}", "/curve/vertices/1"},
         {"{\"boundary\":-1}", "/curve/boundary"},
         {"{\"boundary\":0,\"closed\":false}", "/curve/closed"},
-        {"{\"spline\":{\"points\":[]}}", "/curve/spline"},
+        {"{\"spline\":{\"points\":[]}}", "/curve/spline/points"},
+        {"{\"spline\":{\"points\":[{\"vertex\":0},{\"vertex\":1}]},\"closed\":true}", "/curve/closed"},
         {"{\"polyline\":[]}", "/curve/polyline"},
     };
     for (size_t i = 0; i < COUNT(wrong); i++) {

@@ -70,7 +70,7 @@ static void refuses_what_is_no_set(void **state)
         {"{\"points\":[{\"vertex\":0}],\"curves\":{}}", "/set/curves"},
         {"{\"curves\":[{\"boundary\":0}]}", "/set/curves/0"},
         {"{\"curves\":[{\"vertices\":[0,9]}]}", "/set/curves/0"},
-        {"{\"curves\":[{\"spline\":{}}]}", "/set/curves/0/spline"},
+        {"{\"curves\":[{\"spline\":{}}]}", "/set/curves/0/spline/points"},
         {"{\"curves\":[{\"vertices\":[0,1],\"offset\":-1}]}", "/set/curves/0/offset"},
         {"{\"boundaries\":[0]}", "/set/boundaries/0"},
         {"{\"boundaries\":\"all\"}", "/set/boundaries"},

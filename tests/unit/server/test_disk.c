@@ -95,6 +95,48 @@ static void links_are_second_names(void **state)
     assert_text(folder, "b", "text");
 }
 
+/* Adds up the bytes of the pieces, until there are more than 600,000. */
+static bool add_up(void *user, const void *bytes, size_t size)
+{
+    struct scanned {
+        size_t bytes, pieces;
+    } *scanned = user;
+    for (size_t i = 0; i < size; i++) assert_int_equal(((const char *)bytes)[i], 'x');
+    scanned->bytes += size;
+    scanned->pieces++;
+    return scanned->bytes <= 600000;
+}
+
+static void large_files_are_read_piece_by_piece(void **state)
+{
+    const char *folder = *state;
+    char path[SERVER_DISK_PATH], copy[SERVER_DISK_PATH], *text = malloc(1000001);
+    size_t scanned[2] = {0}, size;
+    assert_non_null(text);
+    memset(text, 'x', 1000000);
+    text[1000000] = '\0';
+    write_text(folder, "large", text);
+    text[250000] = '\0';
+    write_text(folder, "small", text);
+    path_in(folder, path, "large");
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_DONE);
+    assert_int_equal(scanned[0], 3 << 18);
+    assert_int_equal(scanned[1], 3);
+    path_in(folder, path, "small");
+    scanned[0] = 0;
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_DONE);
+    assert_int_equal(scanned[0], 250000);
+    path_in(folder, copy, "copy");
+    assert_int_equal(server_disk_copy(path, copy), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_copy(path, copy), SERVER_DISK_REFUSED);
+    assert_int_equal(server_disk_remove(folder, path), SERVER_DISK_DONE);
+    assert_int_equal(server_disk_size(copy, &size), SERVER_DISK_DONE);
+    assert_int_equal(size, 250000);
+    assert_int_equal(server_disk_scan(path, add_up, scanned), SERVER_DISK_ABSENT);
+    assert_int_equal(server_disk_scan(folder, add_up, scanned), SERVER_DISK_REFUSED);
+    free(text);
+}
+
 static void add_and_remove(void *user, const char *path, const char *name)
 {
     strcat(user, name);
@@ -120,8 +162,12 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
-        TEST(files_are_written_whole), TEST(a_file_that_cant_be_written_leaves_nothing), TEST(what_is_absent_is_told),
-        TEST(links_are_second_names),  TEST(a_folder_is_walked_while_it_is_emptied),
+        TEST(files_are_written_whole),
+        TEST(a_file_that_cant_be_written_leaves_nothing),
+        TEST(what_is_absent_is_told),
+        TEST(links_are_second_names),
+        TEST(large_files_are_read_piece_by_piece),
+        TEST(a_folder_is_walked_while_it_is_emptied),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

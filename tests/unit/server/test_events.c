@@ -8,7 +8,7 @@
 /* A source that counts, and a reader that remembers what was asked of it. */
 static struct {
     uint64_t version;
-    bool is_last;
+    bool is_last, is_content;
     int told, released;
 } source;
 
@@ -75,7 +75,8 @@ static int tear_down(void **state)
 
 static struct server_stream *open_stream(void)
 {
-    const struct server_event_source told = {version, tell, release, &source};
+    const struct server_event_source told = {
+        .version = version, .tell = tell, .release = release, .user = &source, .is_content = source.is_content};
     struct server_stream *stream = server_stream_open(events, &told);
     server_stream_attach(stream, (struct server_stream_reader){pause_reader, resume_reader, is_gone, NULL});
     return stream;
@@ -211,6 +212,39 @@ static void all_end(void **state)
     server_stream_close(late);
 }
 
+static void content_is_told_at_once_and_nothing_else(void **state)
+{
+    (void)state;
+    source.is_content = true;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    source.version++;
+    assert_reads(stream, "news 2\n\n");
+    assert_pauses(stream);
+    server_events_end(events);
+    server_events_tick(events, gd_now_ns() + 60 * SECOND);
+    assert_int_equal(reader.resumes, 0);
+    source.version++;
+    source.is_last = true;
+    assert_reads(stream, "news 3\n\n");
+    assert_ended(stream);
+    server_stream_close(stream);
+}
+
+static void content_that_is_cut_says_so(void **state)
+{
+    (void)state;
+    char byte;
+    source.is_content = true;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    reader.is_gone = true;
+    server_events_tick(events, gd_now_ns() + 2 * SECOND);
+    assert_int_equal(server_stream_read(stream, &byte, 1), SERVER_STREAM_CUT);
+    server_stream_close(stream);
+}
+
 static void many_come_and_go(void **state)
 {
     (void)state;
@@ -236,6 +270,8 @@ int main(void)
         TEST(the_last_message_ends_the_stream),
         TEST(a_client_that_hung_up_ends_its_stream),
         TEST(all_end),
+        TEST(content_is_told_at_once_and_nothing_else),
+        TEST(content_that_is_cut_says_so),
         TEST(many_come_and_go),
     };
 #undef TEST

@@ -240,6 +240,73 @@ static void finds_damaged_bytes_and_takes_them_again(void **state)
     server_record_release(record);
 }
 
+/* --- verification ------------------------------------------------------------------------------------------------- */
+
+struct pacing {
+    size_t bytes, most;      /* read, and after how many it ends */
+    struct fixture *fixture; /* NULL, or who writes `written` again meanwhile */
+    struct server_record *written;
+};
+
+static bool on_piece(void *user, size_t bytes)
+{
+    struct pacing *pacing = user;
+    pacing->bytes += bytes;
+    if (pacing->fixture) {
+        const struct server_content content = content_of("some bytes", NULL);
+        assert_int_equal(pacing->fixture->store->keep(pacing->fixture->store, pacing->written, &content),
+                         SERVER_STORE_DONE);
+    }
+    return pacing->bytes <= pacing->most;
+}
+
+static enum server_store_verdict verify(struct fixture *fixture, const char *bytes, struct pacing pacing)
+{
+    struct server_record *record = new_record("a", bytes);
+    enum server_store_verdict verdict =
+        fixture->store->verify(fixture->store, record, SERVER_PART_FILE, on_piece, &pacing);
+    server_record_release(record);
+    return verdict;
+}
+
+static void what_was_found_damaged_is_not_read_again(void **state)
+{
+    struct fixture *fixture = *state;
+    const struct pacing all = {.most = SIZE_MAX};
+    char path[SERVER_DISK_PATH];
+    put(fixture, "a", "some bytes");
+    object_path(fixture, path, "some bytes");
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_SOUND);
+    assert_int_equal(verify(fixture, "others", all), SERVER_VERDICT_MISSING);
+    assert_int_equal(verify(fixture, "some bytes", (struct pacing){.most = 0}), SERVER_VERDICT_NONE);
+    write_over(path, "x");
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_DAMAGED);
+    assert_int_equal(fixture->store->damaged(fixture->store), 1);
+    write_over(path, "s"); /* mended behind the store's back */
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
+    assert_int_equal(verify(fixture, "some bytes", all), SERVER_VERDICT_SOUND);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
+    assert_int_equal(truncate(path, 3), 0);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DAMAGED);
+    assert_int_equal(fixture->store->damaged(fixture->store), 1);
+    drop(fixture, "a", "some bytes");
+    assert_int_equal(fixture->store->damaged(fixture->store), 0);
+}
+
+static void what_is_written_meanwhile_is_not_condemned(void **state)
+{
+    struct fixture *fixture = *state;
+    struct pacing pacing = {.most = SIZE_MAX, .fixture = fixture, .written = new_record("a", "some bytes")};
+    char path[SERVER_DISK_PATH];
+    put(fixture, "a", "some bytes");
+    object_path(fixture, path, "some bytes");
+    write_over(path, "x");
+    assert_int_equal(verify(fixture, "some bytes", pacing), SERVER_VERDICT_NONE);
+    assert_int_equal(fixture->store->damaged(fixture->store), 0);
+    assert_int_equal(fetch(fixture, "some bytes"), SERVER_STORE_DONE);
+    server_record_release(pacing.written);
+}
+
 static void one_process_a_folder(void **state)
 {
     struct fixture *fixture = *state;
@@ -393,6 +460,8 @@ int main(void)
         TEST(bytes_go_when_all_is_tidy),
         TEST(remembers_uses),
         TEST(finds_damaged_bytes_and_takes_them_again),
+        TEST(what_was_found_damaged_is_not_read_again),
+        TEST(what_is_written_meanwhile_is_not_condemned),
         TEST(one_process_a_folder),
         TEST(a_damaged_database_is_made_again),
         TEST(what_was_put_aside_stays),

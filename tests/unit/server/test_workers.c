@@ -218,6 +218,34 @@ static void the_background_can_be_withdrawn(void **state)
     assert_int_equal(background[1].runs, 1);
 }
 
+static void a_parked_job_is_queued_again_or_refused(void **state)
+{
+    (void)state;
+    struct test_job back, never, late, left, after;
+    struct server_workers *workers = server_workers_create(1, 10);
+    struct test_job *jobs[] = {&back, &never, &late, &left, &after};
+    for (size_t i = 0; i < COUNT(jobs); i++) test_job_init(jobs[i], NULL);
+    late.job.deadline_ns = gd_now_ns();
+    assert_true(server_workers_park(workers, &left.job) && server_workers_park(workers, &late.job) &&
+                server_workers_park(workers, &back.job));
+    server_workers_unpark(workers, &never.job);
+    server_workers_unpark(workers, &back.job);
+    server_workers_unpark(workers, &back.job);
+    sem_wait(&back.done);
+    server_workers_expire(workers, gd_now_ns());
+    assert_int_equal(late.refusals, 1);
+    assert_int_equal(late.why, SERVER_REFUSAL_DEADLINE);
+    assert_int_equal(left.refusals, 0);
+    server_workers_cancel(workers);
+    assert_int_equal(left.refusals, 1);
+    assert_int_equal(left.why, SERVER_REFUSAL_DRAINING);
+    assert_false(server_workers_park(workers, &after.job));
+    server_workers_unpark(workers, &left.job);
+    server_workers_destroy(workers);
+    assert_int_equal(back.runs, 1);
+    assert_int_equal(never.runs + late.runs + left.runs + after.runs + after.refusals, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -230,6 +258,7 @@ int main(void)
         cmocka_unit_test(the_background_runs_what_no_other_thread_is_free_for),
         cmocka_unit_test(the_background_can_be_refused),
         cmocka_unit_test(the_background_can_be_withdrawn),
+        cmocka_unit_test(a_parked_job_is_queued_again_or_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,6 +55,9 @@ static void around_a_corner(void **state)
     check_ok(gd_limit_relax(corner, polyline, 3, NULL, &found, NULL), NULL);
     assert_false(found.converged);
     assert_null(found.path.steps);
+    const struct gd_limit_point chord[2] = {polyline[0], polyline[2]}; /* leads over the gap, straight to the end */
+    check_ok(gd_limit_relax(corner, chord, 2, NULL, &found, NULL), NULL);
+    assert_false(found.converged);
     assert_int_equal(gd_limit_relax(corner, polyline, 1, NULL, &found, NULL), GD_INVALID_ARGUMENT);
     const struct gd_limit_point nowhere[2] = {polyline[0], polyline[0]};
     assert_int_equal(gd_limit_relax(corner, nowhere, 2, NULL, &found, NULL), GD_INVALID_ARGUMENT);

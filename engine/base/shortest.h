@@ -1,0 +1,22 @@
+/* Shortest: the shortest decimal that reads back as the same double; of several as short, the nearest to it; of two as near, the one
+ * whose last digit is even. */
+#ifndef GD_BASE_SHORTEST_H
+#define GD_BASE_SHORTEST_H
+
+#include <cstdint>
+
+namespace gd
+{
+
+/* digits x 10^exponent. */
+struct decimal {
+    std::uint64_t digits; /* at most 17 of them, the last one not 0 */
+    int exponent;
+};
+
+/* Of a positive finite double. Thread-safe, some 10 ns. */
+decimal shortest(double value);
+
+} // namespace gd
+
+#endif

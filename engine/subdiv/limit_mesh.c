@@ -1,0 +1,278 @@
+/* See limit_mesh.h. The numbers of triangles are those of tile.c for faces that are as fine as their neighbours. */
+#include "gd/limit_mesh.h"
+
+#include <stdlib.h>
+
+#include "gd/discretization.h"
+#include "subdiv/surface.h"
+
+enum { USUAL_TRIANGLES = 1 << 17, BYTES_PER_VERTEX = 120 };
+
+struct gd_limit_mesh {
+    struct gd_subdivision *surface; /* a reference */
+    struct gd_mesh *mesh;
+    struct gd_vec3 *normals;
+    uint32_t level, cells; /* of a base face's side */
+};
+
+/* --- sizes -------------------------------------------------------------------------------------------------------- */
+
+static uint64_t triangles_of_face(const struct gd_subdivision *surface, uint64_t cells)
+{
+    return (surface->rules->arity == 4 ? 2 : 1) * cells * cells;
+}
+
+static uint64_t cells_at(const struct gd_subdivision *surface, uint32_t level)
+{
+    return UINT64_C(1) << (level - (surface->split_first && level > 0));
+}
+
+static uint64_t triangles_at(const struct gd_subdivision *surface, uint32_t level)
+{
+    return surface->base.face_count * triangles_of_face(surface, cells_at(surface, level));
+}
+
+uint32_t gd_limit_mesh_least_level(const struct gd_subdivision *surface)
+{
+    return surface->split_first != NULL;
+}
+
+uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface)
+{
+    uint32_t level = gd_limit_mesh_least_level(surface);
+    while (level < GD_LIMIT_LEVEL_MOST && triangles_at(surface, level + 1) <= USUAL_TRIANGLES) level++;
+    return level;
+}
+
+/* A surface of T triangles has at most T / 2 inner vertices, those of its boundary, and two a component more. */
+static uint64_t vertices_at(const struct gd_subdivision *surface, uint32_t level)
+{
+    return triangles_at(surface, level) / 2 + surface->base.point_count +
+           surface->base_edges * cells_at(surface, level) / 2;
+}
+
+size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level)
+{
+    uint64_t triangles = triangles_at(surface, level), vertices = vertices_at(surface, level);
+    return sizeof(struct gd_limit_mesh) + vertices * BYTES_PER_VERTEX + 3 * triangles * sizeof(uint32_t) +
+           gd_mesh_build_cost(triangles, vertices);
+}
+
+/* --- building ----------------------------------------------------------------------------------------------------- */
+
+/* What a discretization holds. */
+static size_t bytes_of(const struct gd_discretization *fine)
+{
+    return (size_t)fine->polygons.position_count * BYTES_PER_VERTEX +
+           3 * sizeof(uint32_t) * (size_t)fine->polygons.polygon_count;
+}
+
+/* The second half of the work. */
+struct half {
+    const struct gd_control *whole;
+};
+
+static bool on_second_half(void *user, double fraction)
+{
+    const struct gd_control *whole = ((const struct half *)user)->whole;
+    return !whole->progress || whole->progress(whole->user, 0.5 + fraction / 2);
+}
+
+static bool on_first_half(void *user, double fraction)
+{
+    const struct gd_control *whole = ((const struct half *)user)->whole;
+    return !whole->progress || whole->progress(whole->user, fraction / 2);
+}
+
+/* Of a part during which `held` bytes are there besides. */
+static struct gd_control part_of(struct half *half, bool (*progress)(void *user, double fraction), size_t held)
+{
+    struct gd_control part = *half->whole;
+    if (part.budget_bytes) part.budget_bytes = held < part.budget_bytes ? part.budget_bytes - held : 1;
+    part.progress = progress;
+    part.user = half;
+    return part;
+}
+
+static enum gd_status build(struct gd_limit_mesh *fine, uint32_t max_faces, const struct gd_control *control,
+                            struct gd_detail *detail)
+{
+    struct half half = {control};
+    struct gd_discretization made;
+    const struct gd_discretize_options options = {.level = fine->level, .max_faces = max_faces};
+    struct gd_control part = part_of(&half, on_first_half, 0);
+    enum gd_status status = gd_discretize(fine->surface, &options, &part, &made, detail);
+    if (status) return status;
+    part = part_of(&half, on_second_half, bytes_of(&made));
+    status = gd_mesh_build(&made.polygons, NULL, &part, &fine->mesh, detail);
+    if (!status) {
+        fine->normals = made.normals;
+        made.normals = NULL;
+    }
+    gd_discretization_free(&made);
+    return status;
+}
+
+enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level, uint32_t max_faces,
+                                   const struct gd_control *control, struct gd_limit_mesh **out,
+                                   struct gd_detail *detail)
+{
+    const struct gd_control none = {0};
+    struct gd_limit_mesh *fine = calloc(1, sizeof *fine);
+    if (!fine) return GD_NO_MEMORY;
+    fine->surface = gd_subdivision_retain(surface);
+    fine->level = level;
+    enum gd_status status = build(fine, max_faces, control ? control : &none, detail);
+    if (status) {
+        gd_limit_mesh_free(fine);
+        return status;
+    }
+    fine->cells = (uint32_t)cells_at(surface, level);
+    *out = fine;
+    return GD_OK;
+}
+
+void gd_limit_mesh_free(struct gd_limit_mesh *fine)
+{
+    if (!fine) return;
+    gd_mesh_release(fine->mesh);
+    gd_subdivision_release(fine->surface);
+    free(fine->normals);
+    free(fine);
+}
+
+size_t gd_limit_mesh_memsize(const struct gd_limit_mesh *fine)
+{
+    return sizeof *fine + gd_mesh_memsize(fine->mesh) +
+           gd_mesh_summary(fine->mesh)->index_count * sizeof *fine->normals;
+}
+
+const struct gd_subdivision *gd_limit_mesh_surface(const struct gd_limit_mesh *fine)
+{
+    return fine->surface;
+}
+
+const struct gd_mesh *gd_limit_mesh_mesh(const struct gd_limit_mesh *fine)
+{
+    return fine->mesh;
+}
+
+const struct gd_vec3 *gd_limit_mesh_normals(const struct gd_limit_mesh *fine)
+{
+    return fine->normals;
+}
+
+uint32_t gd_limit_mesh_level(const struct gd_limit_mesh *fine)
+{
+    return fine->level;
+}
+
+/* --- cells and their triangles ------------------------------------------------------------------------------------ */
+
+/* A triangle of the cell (i,j): which two of its corners a (0,0), b (1,0), c (1,1), d (0,1) are first and last with a corner between. */
+enum half_cell { HALF_ABC, HALF_ACD, HALF_ABD, HALF_BCD };
+
+static const uint8_t corners_of[4][3] = {
+    [HALF_ABC] = {0, 1, 2}, [HALF_ACD] = {0, 2, 3}, [HALF_ABD] = {0, 1, 3}, [HALF_BCD] = {1, 2, 3}};
+
+/* The first triangle of a cell, within its face. */
+static uint32_t first_of_cell(const struct gd_limit_mesh *fine, uint32_t i, uint32_t j)
+{
+    return fine->surface->rules->arity == 4 ? 2 * (i * fine->cells + j) : 2 * (i * fine->cells + j) - i * i;
+}
+
+/* Quads are cut from a to c or from b to d: their two triangles begin at one corner or at two. */
+static bool is_cut_from_a(const struct gd_limit_mesh *fine, uint32_t first)
+{
+    struct gd_vertex one[3], other[3];
+    if (fine->surface->rules->arity == 3) return false;
+    gd_mesh_corners(fine->mesh, (struct gd_face){first}, one);
+    gd_mesh_corners(fine->mesh, (struct gd_face){first + 1}, other);
+    return one[0].index == other[0].index;
+}
+
+static uint32_t face_base(const struct gd_limit_mesh *fine, uint32_t face)
+{
+    return face * (uint32_t)triangles_of_face(fine->surface, fine->cells);
+}
+
+/* --- from places to points ---------------------------------------------------------------------------------------- */
+
+/* Which half of the cell (x,y) in [0,1]^2 lies in, and its barycentric coordinates there. */
+static enum half_cell split_cell(bool from_a, double x, double y, double weight[3])
+{
+    if (from_a && x >= y) {
+        weight[0] = 1 - x, weight[1] = x - y, weight[2] = y;
+        return HALF_ABC;
+    }
+    if (from_a) {
+        weight[0] = 1 - y, weight[1] = x, weight[2] = y - x;
+        return HALF_ACD;
+    }
+    if (x + y <= 1) {
+        weight[0] = 1 - x - y, weight[1] = x, weight[2] = y;
+        return HALF_ABD;
+    }
+    weight[0] = 1 - y, weight[1] = x + y - 1, weight[2] = 1 - x;
+    return HALF_BCD;
+}
+
+static uint32_t cell_of(double at, uint32_t most)
+{
+    uint32_t cell = (uint32_t)at;
+    return cell < most ? cell : most;
+}
+
+enum gd_status gd_limit_mesh_point(const struct gd_limit_mesh *fine, const struct gd_limit_point *place,
+                                   struct gd_point *out, struct gd_detail *detail)
+{
+    struct gd_limit_point inside = *place;
+    enum gd_status status = gd__place_check(fine->surface, &inside, detail);
+    if (status) return status;
+    struct gd__spot spot = gd__spot_of(fine->surface, &inside);
+    bool triangles = fine->surface->rules->arity == 3;
+    double x = fmax(spot.s, 0) * fine->cells, y = fmax(spot.t, 0) * fine->cells, weight[3];
+    uint32_t i = cell_of(x, fine->cells - 1), j = cell_of(y, fine->cells - 1 - (triangles ? i : 0));
+    uint32_t first = face_base(fine, spot.face) + first_of_cell(fine, i, j);
+    bool is_half = triangles && i + j + 1 == fine->cells; /* beyond the diagonal there is rounding only */
+    double right = fmin(x - i, 1), up = fmin(y - j, is_half ? 1 - right : 1);
+    enum half_cell half = split_cell(is_cut_from_a(fine, first), right, up, weight);
+    bool second = half == HALF_ACD || half == HALF_BCD;
+    return gd_point_in_face(fine->mesh, (struct gd_face){first + second}, weight, out, detail);
+}
+
+/* --- from points to places ---------------------------------------------------------------------------------------- */
+
+/* The row of cells that triangle `n` of a Loop face is in: row i begins at i (2 cells - i). */
+static uint32_t row_of(uint32_t cells, uint32_t n)
+{
+    uint32_t low = 0, high = cells;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (middle * (2 * cells - middle) <= n)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+struct gd_limit_point gd_limit_mesh_place(const struct gd_limit_mesh *fine, const struct gd_point *point)
+{
+    static const uint8_t at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    struct gd_point_description known;
+    gd_point_describe(fine->mesh, point, &known);
+    bool triangles = fine->surface->rules->arity == 3;
+    uint32_t face = known.face.index / (uint32_t)triangles_of_face(fine->surface, fine->cells);
+    uint32_t n = known.face.index - face_base(fine, face);
+    uint32_t i = triangles ? row_of(fine->cells, n) : n / (2 * fine->cells);
+    uint32_t rest = n - first_of_cell(fine, i, 0), j = rest / 2;
+    bool from_a = is_cut_from_a(fine, known.face.index - rest % 2), second = rest % 2;
+    const uint8_t *corners = corners_of[from_a ? HALF_ABC + second : HALF_ABD + second];
+    double x = i, y = j;
+    for (int k = 0; k < 3; k++) {
+        x += known.barycentric[k] * at[corners[k]][0];
+        y += known.barycentric[k] * at[corners[k]][1];
+    }
+    return gd__place_of(fine->surface, &(struct gd__spot){face, x / fine->cells, y / fine->cells});
+}

@@ -1,0 +1,191 @@
+/* Shortest paths: the mesh finds the way, the surface straightens it. */
+#include "gd/limit_shortest.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "gd/limit_place.h"
+#include "gd/locate.h"
+#include "gd/query.h"
+
+void gd_limit_shortest_free(struct gd_limit_shortest *shortest)
+{
+    if (!shortest) return;
+    free(shortest->steps);
+    *shortest = (struct gd_limit_shortest){0};
+}
+
+/* One search, with all that it has made. */
+struct search {
+    const struct gd_limit_mesh *fine;
+    const struct gd_control *control;
+    struct gd_detail *detail;
+    struct gd_limit_point ends[2];
+    struct gd_pair_answer pair; /* on the mesh */
+    struct gd_limit_point *places;
+    struct gd_limit_jet *jets;
+    uint32_t count; /* of places and jets */
+};
+
+static void search_free(struct search *search)
+{
+    gd_pair_answer_free(&search->pair);
+    free(search->places);
+    free(search->jets);
+}
+
+/* --- on the mesh -------------------------------------------------------------------------------------------------- */
+
+static enum gd_status search_mesh(struct search *search)
+{
+    struct gd_point points[2];
+    enum gd_status status = GD_OK;
+    for (int i = 0; i < 2 && !status; i++)
+        status = gd_limit_place_check(gd_limit_mesh_surface(search->fine), &search->ends[i], search->detail);
+    for (int i = 0; i < 2 && !status; i++)
+        status = gd_limit_mesh_point(search->fine, &search->ends[i], &points[i], search->detail);
+    if (status) return status;
+    return gd_pair_solve(gd_limit_mesh_mesh(search->fine), &points[0], &points[1], true, NULL, search->control,
+                         &search->pair, search->detail);
+}
+
+/* The middle of a straight part of the path; where the mesh passes through itself perhaps that of another sheet, which is as good for a length. */
+static enum gd_status place_between(const struct search *search, const struct gd_point *a, const struct gd_point *b,
+                                    struct gd_limit_point *out)
+{
+    const struct gd_mesh *mesh = gd_limit_mesh_mesh(search->fine);
+    struct gd_vec3 sum = gd_vec3_add(gd_point_position(mesh, a), gd_point_position(mesh, b));
+    struct gd_point middle;
+    enum gd_status status = gd_locate_nearest(mesh, gd_vec3_scale(sum, 0.5), -1, &middle, NULL, search->detail);
+    if (!status) *out = gd_limit_mesh_place(search->fine, &middle);
+    return status;
+}
+
+/* The places of the path's points and, between them, of the middles of its parts. They begin and end with the caller's own. */
+static enum gd_status place_path(struct search *search)
+{
+    const struct gd_path *path = &search->pair.path;
+    struct gd_limit_point *places = search->places;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 1; i < path->count && !status; i++) {
+        status = place_between(search, &path->points[i - 1], &path->points[i], &places[2 * i - 1]);
+        places[2 * i] = gd_limit_mesh_place(search->fine, &path->points[i]);
+    }
+    places[0] = search->ends[0];
+    places[search->count - 1] = search->ends[1];
+    return status;
+}
+
+/* The path's places, and the surface there. */
+static enum gd_status lift(struct search *search)
+{
+    uint32_t count = search->pair.path.count < 2 ? 3 : 2 * search->pair.path.count - 1;
+    size_t bytes = count * (sizeof *search->places + sizeof *search->jets);
+    enum gd_status status = gd_control_afford(search->control, bytes);
+    if (status) return status;
+    search->count = count;
+    search->places = malloc(count * sizeof *search->places);
+    search->jets = malloc(count * sizeof *search->jets);
+    if (!search->places || !search->jets) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < count; i++) search->places[i] = search->ends[0];
+    status = place_path(search);
+    if (status) return status;
+    return gd_limit_evaluate_many(gd_limit_mesh_surface(search->fine), search->places, count, search->control,
+                                  search->jets, search->detail);
+}
+
+/* --- on the surface ----------------------------------------------------------------------------------------------- */
+
+/* Length of the cubic over a chord that leaves it with the slopes a and b, to the fourth order. */
+static double arc(double chord, double a, double b)
+{
+    return chord * (1 + (2 * a * a - a * b + 2 * b * b) / 30);
+}
+
+/* Of the surface's curve from one jet's point to the other's, straight but for what the normals tell. */
+static double arc_between(const struct gd_limit_jet *from, const struct gd_limit_jet *to)
+{
+    struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
+    double chord = gd_vec3_length(way);
+    if (!(chord > 0)) return 0;
+    return arc(chord, -gd_vec3_dot(from->normal, way) / chord, -gd_vec3_dot(to->normal, way) / chord);
+}
+
+/* Over three points: what the middle one adds to the whole's length is a quarter of what is missing, since normals tell how the surface bends, but not how the
+ * path bends in it, at a boundary for instance. */
+static double arc_by_way(const struct gd_limit_jet *jets)
+{
+    double halves = arc_between(&jets[0], &jets[1]) + arc_between(&jets[1], &jets[2]);
+    return halves + (halves - arc_between(&jets[0], &jets[2])) / 3;
+}
+
+/* The lifted path as the answer. */
+static enum gd_status answer_lifted(const struct search *search, struct gd_limit_shortest *out)
+{
+    struct gd_limit_shortest made = {.mesh_distance = search->pair.distance, .step_count = search->count / 2 + 1};
+    made.steps = malloc(made.step_count * sizeof *made.steps);
+    if (!made.steps) return GD_NO_MEMORY;
+    for (uint32_t i = 0; i < made.step_count; i++) {
+        if (i) made.distance += arc_by_way(&search->jets[2 * i - 2]);
+        made.steps[i] = (struct gd_limit_step){search->places[2 * i], search->jets[2 * i].position, made.distance};
+    }
+    made.error_estimate = fabs(made.distance - made.mesh_distance);
+    *out = made;
+    return GD_OK;
+}
+
+/* Puts the geodesic in the place of the lifted path if it is no longer than that, as far as its length is known. */
+static void prefer_geodesic(const struct search *search, struct gd_limit_geodesic *found, struct gd_limit_shortest *out)
+{
+    struct gd_limit_path *path = &found->path;
+    if (!found->converged || !(path->length <= out->distance + out->error_estimate)) {
+        gd_limit_path_free(path);
+        return;
+    }
+    free(out->steps);
+    out->distance = path->length;
+    out->error_estimate = found->error_estimate;
+    out->relaxed = true;
+    out->steps = path->steps;
+    out->step_count = path->step_count;
+    out->steps[path->step_count - 1].place = search->ends[1];
+}
+
+static enum gd_status relax(const struct search *search, struct gd_limit_shortest *out)
+{
+    struct gd_limit_geodesic found;
+    if (!(out->distance > 0)) return GD_OK;
+    enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine), search->places, search->count,
+                                           search->control, &found, search->detail);
+    if (status == GD_INVALID_ARGUMENT) return GD_OK; /* the ends are too near to each other to tell a direction */
+    if (!status) prefer_geodesic(search, &found, out);
+    return status;
+}
+
+static enum gd_status find(struct search *search, struct gd_limit_shortest *out)
+{
+    enum gd_status status = search_mesh(search);
+    if (!status && isinf(search->pair.distance)) {
+        *out = (struct gd_limit_shortest){.distance = INFINITY, .mesh_distance = INFINITY};
+        return GD_OK;
+    }
+    struct gd_limit_shortest made = {0};
+    if (!status) status = lift(search);
+    if (!status) status = answer_lifted(search, &made);
+    if (!status) status = relax(search, &made);
+    if (status)
+        gd_limit_shortest_free(&made);
+    else
+        *out = made;
+    return status;
+}
+
+enum gd_status gd_limit_shortest_find(const struct gd_limit_mesh *fine, const struct gd_limit_point *from,
+                                      const struct gd_limit_point *to, const struct gd_control *control,
+                                      struct gd_limit_shortest *out, struct gd_detail *detail)
+{
+    struct search search = {.fine = fine, .control = control, .detail = detail, .ends = {*from, *to}};
+    enum gd_status status = find(&search, out);
+    search_free(&search);
+    return status;
+}

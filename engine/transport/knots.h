@@ -1,0 +1,27 @@
+/* Knots: of a spline's points the shortest paths between them, their parameters and their tangents. */
+#ifndef GD_TRANSPORT_KNOTS_H
+#define GD_TRANSPORT_KNOTS_H
+
+#include "base/share.h"
+#include "gd/spline.h"
+
+/* The work on a spline. */
+struct gd__knotting {
+    const struct gd_mesh *mesh;
+    const struct gd_spline_request *request;
+    struct gd__share *share;          /* of the whole; each search is a part */
+    const struct gd_control *control; /* of it */
+    struct gd_detail *detail;
+    uint32_t hop_count;
+    struct gd_path *hops;         /* from point i to the next one */
+    struct gd_spline_knot *knots; /* hop_count + 1, to be filled in */
+};
+
+/* Searches the hops; on failure those that were found are there all the same. Errors: GD_INVALID_ARGUMENT (points that are one, or that no path joins), and those of
+ * gd_pair_solve. */
+GD_MUST_USE enum gd_status gd__knots_search(struct gd__knotting *knotting);
+
+/* Parameters and tangents from the hops. Errors: those of gd_pair_solve (by the paper's rule it searches), GD_NO_MEMORY, GD_INTERNAL. */
+GD_MUST_USE enum gd_status gd__knots_fill(const struct gd__knotting *knotting);
+
+#endif

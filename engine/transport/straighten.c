@@ -1,0 +1,221 @@
+#include "transport/straighten.h"
+
+#include <stdlib.h>
+
+#include "base/tolerance.h"
+#include "mesh/canonical.h"
+#include "mesh/segment.h"
+#include "transport/turn.h"
+#include "transport/unfold.h"
+
+enum { LOOK = 64 }; /* rounds between two looks at the control */
+
+void gd__straightener_free(struct gd__straightener *straightener)
+{
+    gd__strip_free(&straightener->strip);
+    gd__strip_free(&straightener->other);
+    gd__route_free(&straightener->line);
+    free(straightener->corners);
+    *straightener = (struct gd__straightener){0};
+}
+
+/* --- bends --------------------------------------------------------------------------------------------------------------- */
+
+struct gd__bend gd__bend_of_turns(const struct gd_mesh *mesh, const struct gd_point *at, double back, double ahead)
+{
+    double total = gd__turn_total(mesh, at), right = ahead - back;
+    if (!gd__turn_is_closed(mesh, at))
+        return right < 0 ? (struct gd__bend){INFINITY, -right} : (struct gd__bend){right, INFINITY};
+    right = right < 0 ? right + total : right;
+    return (struct gd__bend){right, total - right};
+}
+
+/* --- corners ------------------------------------------------------------------------------------------------------------- */
+
+/* The gates in a row that have the corner at the same end. */
+struct row {
+    uint32_t vertex, first, last;
+};
+
+static uint32_t end_of(const struct gd_mesh *mesh, const struct gd__gate *gate, bool is_left)
+{
+    return mesh->origin[is_left ? gate->side : gate->side ^ 1];
+}
+
+static struct row row_of(const struct gd_mesh *mesh, const struct gd__strip *strip, const struct gd__corner *corner)
+{
+    struct row row = {end_of(mesh, &strip->gates[corner->gate], corner->is_left), corner->gate, corner->gate};
+    while (row.first > 0 && end_of(mesh, &strip->gates[row.first - 1], corner->is_left) == row.vertex) row.first--;
+    while (row.last + 1 < strip->count && end_of(mesh, &strip->gates[row.last + 1], corner->is_left) == row.vertex)
+        row.last++;
+    return row;
+}
+
+/* The face before a gate, and its side by which it lies in the plane. */
+static struct gd__gate before(const struct gd_mesh *mesh, const struct gd__strip *strip, uint32_t gate)
+{
+    if (gate > 0) return strip->gates[gate - 1];
+    return (struct gd__gate){.side = mesh->face_side[strip->face][0], .along = {1, 0}};
+}
+
+/* The turn at a vertex of a direction in the plane that leads into the gate's face. */
+static double turn_of(const struct gd_mesh *mesh, uint32_t vertex, const struct gd__gate *gate, struct gd__local way)
+{
+    const struct gd_point at = gd__point_of_vertex(vertex);
+    struct gd__local u = gate->along;
+    return gd__turn_in_face(mesh, &at, gate->side, way.x * u.x + way.y * u.y, way.y * u.x - way.x * u.y);
+}
+
+/* What can be done about a corner: nothing; the line is shorter on the other side of the vertex; or the strip goes round it more than once. */
+enum hold { HOLD_TAUT, HOLD_LOOSE, HOLD_WOUND };
+
+/* `from` and `to` are the neighbours of the corner on the line. The angle in the strip is half a turn at least; one that seems to be less is a whole one more. */
+static enum hold hold_of(const struct gd_mesh *mesh, const struct gd__strip *strip, const struct gd__corner *corner,
+                         const struct row *row, struct gd__local from, struct gd__local to)
+{
+    struct gd__gate in = before(mesh, strip, row->first);
+    struct gd__local at = corner->at;
+    const struct gd_point vertex = gd__point_of_vertex(row->vertex);
+    if (!gd__turn_is_closed(mesh, &vertex)) return HOLD_TAUT;
+    double back = turn_of(mesh, row->vertex, &in, (struct gd__local){from.x - at.x, from.y - at.y}),
+           ahead = turn_of(mesh, row->vertex, &strip->gates[row->last], (struct gd__local){to.x - at.x, to.y - at.y});
+    struct gd__bend bend = gd__bend_of_turns(mesh, &vertex, back, ahead);
+    double inside = corner->is_left ? bend.right : bend.left, other = corner->is_left ? bend.left : bend.right;
+    uint32_t faces = mesh->fan_first[row->vertex + 1] - mesh->fan_first[row->vertex],
+             gates = row->last - row->first + 1;
+    bool is_whole_turn =
+        inside < M_PI - GD_TOL_BEND && gates + 1 >= faces; /* along one edge there and back: a gate less */
+    if (is_whole_turn && gates >= faces) return HOLD_WOUND;
+    return is_whole_turn || other < M_PI - GD_TOL_BEND ? HOLD_LOOSE : HOLD_TAUT;
+}
+
+/* --- rounds -------------------------------------------------------------------------------------------------------------- */
+
+/* Copies gates up to, but without, `end`. */
+static enum gd_status copy_gates(struct gd__straightener *s, uint32_t begin, uint32_t end)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = begin; i < end && !status; i++)
+        status = gd__strip_push(&s->other, s->strip.gates[i].side, s->control);
+    return status;
+}
+
+/* By the other side, or, if it is wound, by the same one but once less. */
+static enum gd_status go_round(struct gd__straightener *s, const struct gd__corner *corner, const struct row *row,
+                               enum hold hold)
+{
+    uint32_t from = s->mesh->side_face[s->strip.gates[row->first].side ^ 1],
+             to = s->mesh->side_face[s->strip.gates[row->last].side];
+    bool counter_clockwise = corner->is_left == (hold == HOLD_WOUND);
+    return gd__strip_wind(s->mesh, &s->other, row->vertex, from, to, counter_clockwise, s->control);
+}
+
+/* Lays the strip round the other side of its loose corners, into s->other. Of rows that overlap the first is taken; the rest is for the next round. */
+static enum gd_status relax(struct gd__straightener *s, uint32_t corner_count, bool *has_moved)
+{
+    const struct gd__strip *strip = &s->strip;
+    const struct gd__corner *corners = s->corners;
+    enum gd_status status = GD_OK;
+    uint32_t done = 0;
+    *has_moved = false;
+    s->other.count = 0;
+    s->other.from = strip->from, s->other.to = strip->to, s->other.face = strip->face;
+    for (uint32_t k = 0; k < corner_count && !status; k++) {
+        struct row row = row_of(s->mesh, strip, &corners[k]);
+        struct gd__local from = k ? corners[k - 1].at : strip->begin,
+                         to = k + 1 < corner_count ? corners[k + 1].at : strip->end;
+        if (row.first < done) continue;
+        enum hold hold = hold_of(s->mesh, strip, &corners[k], &row, from, to);
+        if (hold == HOLD_TAUT) continue;
+        status = copy_gates(s, done, row.first);
+        if (!status) status = go_round(s, &corners[k], &row, hold);
+        done = row.last + 1;
+        *has_moved = true;
+    }
+    if (!status && *has_moved) status = copy_gates(s, done, strip->count);
+    return status;
+}
+
+static enum gd_status reserve_corners(struct gd__straightener *s)
+{
+    if (s->corner_capacity > s->strip.count) return GD_OK;
+    uint32_t capacity = s->strip.capacity + 1;
+    enum gd_status status = gd_control_afford(s->control, 2 * (size_t)capacity * sizeof *s->corners);
+    if (status) return status;
+    struct gd__corner *corners = realloc(s->corners, capacity * sizeof *corners);
+    if (!corners) return GD_NO_MEMORY;
+    s->corners = corners;
+    s->corner_capacity = capacity;
+    return GD_OK;
+}
+
+static double length_of(const struct gd__strip *strip, const struct gd__corner *corners, uint32_t count)
+{
+    struct gd__local a = strip->begin;
+    double length = 0;
+    for (uint32_t k = 0; k <= count; k++) {
+        struct gd__local b = k < count ? corners[k].at : strip->end;
+        length += hypot(b.x - a.x, b.y - a.y);
+        a = b;
+    }
+    return length;
+}
+
+static enum gd_status measure(struct gd__straightener *s, uint32_t *corner_count, double *length)
+{
+    enum gd_status status = gd__strip_lay(s->mesh, &s->strip);
+    if (!status) status = reserve_corners(s);
+    if (status) return status;
+    *corner_count = gd__strip_corners(&s->strip, s->corners);
+    *length = length_of(&s->strip, s->corners, *corner_count);
+    return GD_OK;
+}
+
+static void swap(struct gd__straightener *s)
+{
+    struct gd__strip strip = s->strip;
+    s->strip = s->other;
+    s->other = strip;
+}
+
+/* Rounds go on as long as the line gets shorter by more than rounding. */
+static enum gd_status tighten(struct gd__straightener *s, uint32_t *corner_count)
+{
+    double length, before = INFINITY;
+    bool has_moved = true;
+    enum gd_status status = measure(s, corner_count, &length);
+    for (uint32_t round = 1; !status && length < before; round++) {
+        before = length * (1 - GD_TOL_BETTER);
+        status = relax(s, *corner_count, &has_moved);
+        if (status || !has_moved) break;
+        swap(s);
+        status = measure(s, corner_count, &length);
+        if (!status && round % LOOK == 0) status = gd_control_check(s->control, s->progress);
+    }
+    return status;
+}
+
+/* --- the whole ----------------------------------------------------------------------------------------------------------- */
+
+static enum gd_status straighten(struct gd__straightener *s, const struct gd__route *route, bool backwards,
+                                 struct gd__route *out)
+{
+    uint32_t corner_count;
+    gd__route_clear(&s->line);
+    enum gd_status status = gd__route_join(&s->line, route->points, route->count, route->length, backwards, s->control);
+    gd__route_clear(out);
+    if (status) return status;
+    if (s->line.count < 2) return gd__route_join(out, s->line.points, s->line.count, 0, false, s->control);
+    status = gd__strip_along(s->mesh, &s->line, &s->strip, s->control);
+    if (!status) status = tighten(s, &corner_count);
+    if (!status) status = gd__strip_line(s->mesh, &s->strip, s->corners, corner_count, out, s->control);
+    if (!status && backwards) gd__points_reverse(out->points, out->count);
+    return status;
+}
+
+enum gd_status gd__straighten(struct gd__straightener *straightener, const struct gd__route *route,
+                              struct gd__route *out)
+{
+    bool backwards = route->count > 1 && gd__point_follows(&route->points[0], &route->points[route->count - 1]);
+    return straighten(straightener, route, backwards, out);
+}

@@ -1,0 +1,82 @@
+#include "proto/limit_jet.h"
+
+#include "proto/decode.h"
+#include "proto/point.h"
+
+const char *const proto_limit_jet_fields[] = {"points", "xyz", "normal",     "du",       "dv", "duu",
+                                              "duv",    "dvv", "curvatures", "singular", NULL};
+const char *const proto_limit_foot_fields[] = {"face", "corner", "uv", "xyz", "distance", NULL};
+
+bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision *surface,
+                             struct proto_limit_places *out, struct proto_problem *problem)
+{
+    static const char *const members[] = {"points", NULL};
+    return proto_decode_object(document, "", members, problem) &&
+           proto_limit_places_decode(document, surface, out, problem);
+}
+
+static void encode_vector(struct proto_writer *writer, const char *key, struct gd_vec3 vector, bool is_known)
+{
+    proto_write_key(writer, key);
+    if (is_known)
+        proto_xyz_encode(writer, vector);
+    else
+        proto_write_null(writer);
+}
+
+static void encode_curvatures(struct proto_writer *writer, const struct gd_limit_jet *jet)
+{
+    proto_write_key(writer, "curvatures");
+    if (jet->singular)
+        proto_write_null(writer);
+    else
+        proto_write_numbers(writer, jet->curvatures, 2);
+}
+
+void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet, uint32_t fields)
+{
+    const struct {
+        const char *key;
+        struct gd_vec3 vector;
+        bool is_known;
+    } vectors[] = {{"xyz", jet->position, true},
+                   {"normal", jet->normal, true},
+                   {"du", jet->du, true},
+                   {"dv", jet->dv, true},
+                   {"duu", jet->duu, !jet->singular},
+                   {"duv", jet->duv, !jet->singular},
+                   {"dvv", jet->dvv, !jet->singular}};
+    proto_write_object_begin(writer);
+    for (unsigned i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        if (fields & (PROTO_LIMIT_JET_FIELD_XYZ << i))
+            encode_vector(writer, vectors[i].key, vectors[i].vector, vectors[i].is_known);
+    if (fields & PROTO_LIMIT_JET_FIELD_CURVATURES) encode_curvatures(writer, jet);
+    if (jet->singular && fields & PROTO_LIMIT_JET_FIELD_SINGULAR) {
+        proto_write_key(writer, "singular");
+        proto_write_bool(writer, true);
+    }
+    proto_write_object_end(writer);
+}
+
+void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_foot *foot, uint32_t fields)
+{
+    proto_write_object_begin(writer);
+    if (fields & PROTO_LIMIT_FOOT_FIELD_FACE) {
+        proto_write_key(writer, "face");
+        proto_write_uint(writer, foot->place.face);
+    }
+    if (foot->place.corner && fields & PROTO_LIMIT_FOOT_FIELD_CORNER) {
+        proto_write_key(writer, "corner");
+        proto_write_uint(writer, foot->place.corner);
+    }
+    if (fields & PROTO_LIMIT_FOOT_FIELD_UV) {
+        proto_write_key(writer, "uv");
+        proto_write_numbers(writer, (double[]){foot->place.u, foot->place.v}, 2);
+    }
+    if (fields & PROTO_LIMIT_FOOT_FIELD_XYZ) encode_vector(writer, "xyz", foot->position, true);
+    if (fields & PROTO_LIMIT_FOOT_FIELD_DISTANCE) {
+        proto_write_key(writer, "distance");
+        proto_write_number(writer, foot->distance);
+    }
+    proto_write_object_end(writer);
+}

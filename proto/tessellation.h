@@ -1,0 +1,43 @@
+/* Tessellation: {"mesh", "tolerance" | "resolution"}, a surface as a mesh; and where on the surface the mesh's vertices lie. */
+#ifndef PROTO_TESSELLATION_H
+#define PROTO_TESSELLATION_H
+
+#include <jansson.h>
+
+#include "gd/tessellation.h"
+#include "proto/mesh.h"
+#include "proto/options.h"
+#include "proto/writer.h"
+
+struct proto_tessellation {
+    char mesh[PROTO_MESH_NAME + 1];
+    struct gd_tessellation_options options;
+};
+
+/* The member "mesh", the name of a mesh that is to be made. invalid_request. */
+bool proto_made_mesh_decode(const json_t *document, char out[PROTO_MESH_NAME + 1], struct proto_problem *problem);
+
+/* `max_faces` is what a mesh may have. invalid_request, too_large (with the limit). */
+bool proto_tessellation_decode(const json_t *document, uint32_t max_faces, struct proto_tessellation *out,
+                               struct proto_problem *problem);
+
+/* Where the vertices of a mesh lie on the surface that it was made of; all borrowed. */
+struct proto_vertex_parameters {
+    const char *surface, *etag; /* name and version */
+    double period[2];           /* of u, v; 0: that direction is not closed */
+    const double (*uv)[2];
+    uint32_t count;
+};
+
+enum proto_vertex_parameters_field {
+    PROTO_VERTEX_PARAMETERS_FIELD_NURBS = 1 << 0,
+    PROTO_VERTEX_PARAMETERS_FIELD_PERIODS = 1 << 1,
+    PROTO_VERTEX_PARAMETERS_FIELD_UV = 1 << 2
+};
+extern const char *const proto_vertex_parameters_fields[]; /* NULL-terminated, for proto_options_parse */
+
+/* Writes {"nurbs": {"name", "etag"}, "periods": [u, v], "uv": [[u, v]…]}, of these the wanted ones; null for the period of a direction without one. */
+void proto_vertex_parameters_encode(struct proto_writer *writer, const struct proto_vertex_parameters *parameters,
+                                    uint32_t fields);
+
+#endif

@@ -1,0 +1,514 @@
+"""Subdivision surfaces: the resource, evaluation, traces, paths, discretizations: closed forms, laws, refusals, memory."""
+import json
+import math
+import struct
+import threading
+import time
+import unittest
+
+from harness import SQUARE, Daemon, Folder, TestCase
+
+# [-1,1]^3; face 0 is z = 1 from (-,-) on
+CUBE = (b"v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+        b"f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
+CUBE_USD = {"points": [[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], "faceVertexCounts": [4] * 6,
+            "faceVertexIndices": [4, 5, 7, 6, 0, 2, 3, 1, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]}
+OCTAHEDRON = (b"v 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+              b"f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n")
+PRISM = b"v 1 0 0\nv 0 1 0\nv -1 -1 0\nv 1 0 2\nv 0 1 2\nv -1 -1 2\nf 3 2 1\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n"
+TWO_QUADS = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nf 1 2 3 4\nf 5 6 7 8\n"
+MIDDLE = {"face": 0, "uv": [0.5, 0.5]}
+MIRROR = 5.344803240448  # length of the closed geodesic of the smoothed cube in the plane y = 0
+DIAGONAL = 5.384418260817  # and of the one in x = y, through four vertices of valence 3
+
+
+class Subdivisions(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for name, body, options in [("cube", CUBE, ""), ("loop", OCTAHEDRON, "?scheme=loop"), ("prism", PRISM, ""),
+                                    ("sheet", SQUARE.replace(b"f 1 2 3\nf 1 3 4", b"f 1 2 3 4"), ""),
+                                    ("pair", TWO_QUADS, "")]:
+            answer = cls.put(name, body, options)
+            assert answer.status == 201, answer
+
+    @classmethod
+    def put(cls, name, body, options="", **headers):
+        if isinstance(body, dict):
+            body, headers = json.dumps(body), {"Content-Type": "application/json", **headers}
+        return cls.daemon.request("PUT", f"/v1/subdivisions/{name}{options}", body, headers)
+
+    def ask(self, name, query, document, status=200, **headers):
+        answer = self.daemon.request("POST", f"/v1/subdivisions/{name}/{query}", json.dumps(document),
+                                     {"Content-Type": "application/json", **headers})
+        self.assertEqual(answer.status, status, answer)
+        return answer.json if answer.body else None
+
+    def assert_near(self, actual, expected, absolute=1e-12):
+        self.assertLess(math.dist(actual, expected), absolute, (actual, expected))
+
+
+class Resource(Subdivisions):
+    def test_description(self):
+        cube = self.daemon.get("/v1/subdivisions/cube").json
+        self.assertEqual({key: cube[key] for key in ("name", "scheme", "vertices", "edges", "faces", "crease_edges",
+                                                     "corner_vertices", "boundary_edges", "boundaries", "least_level")},
+                         {"name": "cube", "scheme": "catmull_clark", "vertices": 8, "edges": 12, "faces": 6,
+                          "crease_edges": 0, "corner_vertices": 0, "boundary_edges": 0, "boundaries": 0, "least_level": 0})
+        self.assertEqual(cube["extraordinary_vertices"], [{"valence": 3, "count": 8}])
+        loop = self.daemon.get("/v1/subdivisions/loop").json
+        self.assertEqual((loop["scheme"], loop["extraordinary_vertices"]), ("loop", [{"valence": 4, "count": 6}]))
+        sheet = self.daemon.get("/v1/subdivisions/sheet").json
+        self.assertEqual((sheet["boundaries"], sheet["boundary_edges"]), (1, 4))
+        self.assertEqual(self.daemon.get("/v1/subdivisions/prism").json["least_level"], 1)
+
+    def test_list_replace_delete(self):
+        listed = self.daemon.get("/v1/subdivisions?limit=2").json
+        self.assertEqual([entry["name"] for entry in listed["subdivisions"]], ["cube", "loop"])
+        self.assertEqual(listed["next"], "loop")
+        self.assertEqual(self.put("gone", CUBE).status, 201)
+        self.assertEqual(self.put("gone", CUBE).status, 200)
+        before = self.daemon.get("/v1/subdivisions/gone").json["etag"]
+        self.assertEqual(self.put("gone", CUBE.replace(b"v 1 1 1", b"v 2 2 2")).status, 200)
+        self.assertNotEqual(self.daemon.get("/v1/subdivisions/gone").json["etag"], before)
+        self.assertEqual(self.daemon.request("HEAD", "/v1/subdivisions/gone").status, 200)
+        self.assertEqual(self.daemon.request("DELETE", "/v1/subdivisions/gone").status, 204)
+        self.assertEqual(self.daemon.get("/v1/subdivisions/gone").status, 404)
+        self.assertEqual(self.daemon.get("/v1/meshes/cube").status, 404)  # names are of a kind
+
+    def test_post_makes_a_name(self):
+        answer = self.daemon.request("POST", "/v1/subdivisions", json.dumps(CUBE_USD), {"Content-Type": "application/json"})
+        self.assertEqual(answer.status, 201, answer)
+        self.assertEqual(answer.headers["Location"], f"/v1/subdivisions/{answer.json['name']}")
+        self.assertEqual(self.daemon.request("DELETE", answer.headers["Location"]).status, 204)
+
+    def test_the_example(self):
+        contract = self.daemon.get("/openapi.json").json
+        example = contract["components"]["requestBodies"]["SubdivisionFile"]["content"]["application/json"]["examples"]["cube"]
+        self.assertEqual(self.put("example", example["value"]).status, 201)
+        told = contract["components"]["examples"]["SmoothCube"]["value"]
+        found = self.daemon.get("/v1/subdivisions/example").json
+        for key in set(told) - {"name", "sha256", "memory_bytes", "created", "etag"}:
+            self.assertEqual(found[key], told[key], key)
+        self.assertEqual(list(found), list(told))
+        for query in ("evaluate", "nearest", "trace", "distance", "path"):
+            operation = contract["paths"][f"/v1/subdivisions/{{name}}/{query}"]["post"]
+            answer = self.ask("example", query, operation["requestBody"]["content"]["application/json"]["example"])
+            told = operation["responses"]["200"]["content"]["application/json"].get("example")
+            if told:
+                self.assert_alike(answer, told)
+        self.daemon.request("DELETE", "/v1/subdivisions/example")
+
+    def assert_alike(self, answer, told):
+        if isinstance(told, dict):
+            self.assertEqual(list(answer), list(told))
+            for key in told:
+                self.assert_alike(answer[key], told[key])
+        elif isinstance(told, list):
+            self.assertEqual(len(answer), len(told))
+            for a, b in zip(answer, told):
+                self.assert_alike(a, b)
+        else:
+            self.assertAlmostEqual(answer, told, 12)
+
+    def test_creases_by_both_formats(self):
+        """A cube whose edges are all sharp for ever is a cube; tags of OBJ and of USD say the same."""
+        edges = [(0, 1), (1, 3), (3, 2), (2, 0), (4, 5), (5, 7), (7, 6), (6, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+        tags = b"".join(b"t crease 2/1/0 %d %d 10\n" % edge for edge in edges)
+        self.assertEqual(self.put("sharp-obj", CUBE + tags).status, 201)
+        chains = {"creaseIndices": [0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 1, 5, 2, 6, 3, 7], "creaseLengths": [5, 5, 2, 2, 2]}
+        # one chain leads 0 1 3 2 0, one 4 5 7 6 4; of 0 4 only the ends are named by the others
+        chains["creaseIndices"] += [0, 4]
+        chains["creaseLengths"] += [2]
+        self.assertEqual(self.put("sharp-usd", {**CUBE_USD, **chains, "creaseSharpnesses": [10] * 6}).status, 201)
+        each = {**CUBE_USD, **chains, "creaseSharpnesses": [10] * 12}
+        self.assertEqual(self.put("sharp-each", each).status, 201)
+        for name in ("sharp-obj", "sharp-usd", "sharp-each"):
+            self.assertEqual(self.daemon.get(f"/v1/subdivisions/{name}").json["crease_edges"], 12)
+            [point] = self.ask(name, "evaluate", {"points": [{"face": 0, "uv": [0.25, 0.75]}]})["points"]
+            self.assert_near(point["xyz"], [-0.5, 0.5, 1])
+            self.assert_near(point["normal"], [0, 0, 1])
+        corner = {**CUBE_USD, "cornerIndices": [7], "cornerSharpnesses": [1.5], "interpolateBoundary": "edgeOnly",
+                  "subdivisionScheme": "catmullClark"}
+        self.assertEqual(self.put("corner", corner).status, 201)
+        self.assertEqual(self.daemon.get("/v1/subdivisions/corner").json["corner_vertices"], 1)
+        [point] = self.ask("corner", "evaluate", {"points": [{"face": 0, "uv": [1, 1]}]})["points"]
+        self.assertGreater(point["xyz"][0], 0.7)  # 1/2 without the tag, 1 for ever
+        self.assertTrue(point["singular"])
+        for name in ("sharp-obj", "sharp-usd", "sharp-each", "corner"):
+            self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
+
+    def test_mesh_json_and_schemes(self):
+        faces = [[a - 1 for a in map(int, line.split()[1:])] for line in OCTAHEDRON.split(b"\n") if line.startswith(b"f")]
+        vertices = [list(map(float, line.split()[1:])) for line in OCTAHEDRON.split(b"\n") if line.startswith(b"v")]
+        self.assertEqual(self.put("plain", {"vertices": vertices, "faces": faces}, "?scheme=loop").status, 201)
+        usd = {"points": vertices, "faceVertexCounts": [3] * 8, "faceVertexIndices": sum(faces, []), "subdivisionScheme": "loop"}
+        self.assertEqual(self.put("usd", usd).status, 201)
+        place = {"points": [{"face": 3, "uv": [0.2, 0.3]}]}
+        self.assertEqual(self.ask("plain", "evaluate", place), self.ask("usd", "evaluate", place))
+        self.assertEqual(self.ask("loop", "evaluate", place), self.ask("usd", "evaluate", place))
+        problem = self.assert_problem(self.put("usd", usd, "?scheme=catmull_clark"), 400, "invalid_request")
+        self.assertEqual(problem["pointer"], "/subdivisionScheme")
+        for name in ("plain", "usd"):
+            self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
+
+    def test_refused_files(self):
+        square = SQUARE.replace(b"f 1 2 3\nf 1 3 4", b"f 1 2 3 4")
+        for body, options, reason in [
+                (b"nonsense", "", "unrecognized"), (CUBE + b"f 1 2 3 4\n", "", "non_manifold_edge"),
+                (square + b"f 1 1 2 3\n", "", "degenerate_face"), (CUBE + b"t crease 2/1/0 0 7 1\n", "", "no_such_edge"),
+                (CUBE + b"t crease 2/1/0 0 99 1\n", "", "index"), (CUBE + b"t corner 1/1/0 0 -1\n", "", "invalid_argument"),
+                (CUBE + b"t crease 2/1/0 0\n", "", "syntax"), (CUBE + b"t hole 1/0/0 1\n", "", "unsupported"),
+                (b"v 0 0 0\n" + CUBE.replace(b"f 5 6 8 7", b"f 6 7 9 8") + b"t corner 1/1/0 0 1\n", "", None),
+                (CUBE, "?scheme=loop", "not_triangles"), (square + b"t interpolateboundary 1/0/0 0\n", "", "unsupported"),
+                ({**CUBE_USD, "faceVertexIndices": [9] * 24}, "", "index"),
+                ({**CUBE_USD, "faceVertexCounts": [], "faceVertexIndices": []}, "", "empty"),
+                ({**CUBE_USD, "creaseIndices": [0, 7], "creaseLengths": [2], "creaseSharpnesses": [2]}, "", "no_such_edge"),
+                ({**CUBE_USD, "cornerIndices": [8], "cornerSharpnesses": [2]}, "", "out_of_range")]:
+            answer = self.put("bad", body, options)
+            problem = self.assert_problem(answer, 422, "invalid_mesh")
+            if reason:
+                self.assertEqual(problem["reason"], reason, (body, problem))
+        for change, pointer in [({"points": None}, "/points"), ({"points": [[1, 2]]}, "/points/0"), ({"faceVertexCounts": [4] * 5}, "/faceVertexCounts"),
+                                ({"faceVertexCounts": [4] * 7}, "/faceVertexCounts"), ({"creaseIndices": [0, 1]}, "/creaseLengths"),
+                                ({"creaseIndices": [0, 1], "creaseLengths": [2], "creaseSharpnesses": []}, "/creaseSharpnesses"),
+                                ({"creaseIndices": [0], "creaseLengths": [1], "creaseSharpnesses": [1]}, "/creaseLengths/0"),
+                                ({"cornerIndices": [1]}, "/cornerSharpnesses"), ({"interpolateBoundary": "some"}, "/interpolateBoundary"),
+                                ({"holeIndices": []}, "/holeIndices"), ({"faceVertexIndices": [0.5] * 24}, "/faceVertexIndices/0"),
+                                ({"faceVertexIndices": "x"}, "/faceVertexIndices")]:
+            document = {key: value for key, value in {**CUBE_USD, **change}.items() if value is not None}
+            problem = self.assert_problem(self.put("bad", document), 400, "invalid_request")
+            self.assertEqual(problem["pointer"], pointer, (change, problem))
+        self.assert_problem(self.put("bad", CUBE, "?scheme=doo_sabin"), 400, "invalid_request")
+        self.assert_problem(self.put("bad", CUBE, "?weld=1"), 400, "invalid_request")
+        self.assertEqual(self.daemon.get("/v1/subdivisions/bad").status, 404)
+
+
+class Evaluate(Subdivisions):
+    def test_the_cube(self):
+        """smooth.md's values, which agree with OpenSubdiv."""
+        points = [((0.5, 0.5), (0, 0, 68 / 81)), ((0.5, 0), (0, -395 / 648, 395 / 648)), ((1, 1), (0.5, 0.5, 0.5)),
+                  ((0.25, 0.25), (-0.316157085905, -0.316157085905, 0.728989840535)),
+                  ((0.1, 0.2), (-0.470313871571, -0.354383536694, 0.629845143176)),
+                  ((0.01, 0.02), (-0.499136625593, -0.492987573699, 0.507727753563))]
+        answer = self.ask("cube", "evaluate", {"points": [{"face": 0, "uv": uv} for uv, _ in points]})["points"]
+        for (_, xyz), point in zip(points, answer):
+            self.assert_near(point["xyz"], xyz, 1e-10)
+        self.assertTrue(answer[2]["singular"])
+        self.assertEqual((answer[2]["curvatures"], answer[2]["duu"]), (None, None))
+        self.assert_near(answer[2]["normal"], [1 / math.sqrt(3)] * 3)
+        self.assertNotIn("singular", answer[0])
+
+    def test_derivatives(self):
+        step = 1e-5
+        for name, face, corner, (u, v) in [("cube", 3, 0, (0.3, 0.8)), ("loop", 5, 0, (0.2, 0.4)), ("prism", 0, 2, (0.6, 0.7))]:
+            at = lambda du, dv: {"face": face, "corner": corner, "uv": [u + du, v + dv]}
+            asked = [at(0, 0), at(step, 0), at(-step, 0), at(0, step), at(0, -step)]
+            here, right, left, up, down = self.ask(name, "evaluate", {"points": asked})["points"]
+            for key, a, b in (("du", right, left), ("dv", up, down)):
+                self.assert_near([(p - q) / (2 * step) for p, q in zip(a["xyz"], b["xyz"])], here[key], 1e-8)
+                second = "duu" if key == "du" else "dvv"
+                self.assert_near([(p - q) / (2 * step) for p, q in zip(a[key], b[key])], here[second], 1e-7)
+            self.assertAlmostEqual(math.hypot(*here["normal"]), 1, 13)
+            self.assertLessEqual(*here["curvatures"])
+
+    def test_many_and_fields(self):
+        places = [{"face": i % 6, "uv": [i / 3000, 0.5]} for i in range(3000)]
+        answer = self.ask("cube", "evaluate?fields=points,xyz", {"points": places})["points"]
+        self.assertEqual((len(answer), list(answer[7])), (3000, ["xyz"]))
+        self.assertEqual(self.ask("cube", "evaluate?fields=xyz", {"points": places[:1]}), {})
+
+    def test_refusals(self):
+        for place, status, pointer in [({"face": 6, "uv": [0, 0]}, 400, "/points/1/face"), ({"face": 0, "uv": [1.1, 0]}, 422, "/points/1/uv"),
+                                       ({"face": 0, "uv": [0, 0], "corner": 1}, 400, "/points/1/face"), ({"face": 0}, 400, "/points/1/uv"),
+                                       ({"face": 0, "uv": [0]}, 400, "/points/1/uv"), ({"face": -1, "uv": [0, 0]}, 400, "/points/1/face"),
+                                       ({"face": 0, "uv": [0, 0], "u": 1}, 400, "/points/1/u")]:
+            problem = self.ask("cube", "evaluate", {"points": [MIDDLE, place]}, status)
+            self.assertEqual(problem["pointer"], pointer, place)
+        self.ask("cube", "evaluate", {"points": []}, 400)
+        self.ask("cube", "evaluate", {}, 400)
+        many = '{"points":[' + '{"face":0,"uv":[0,0]},' * 40000 + '{"face":0,"uv":[0,0]}]}'
+        answer = self.daemon.request("POST", "/v1/subdivisions/cube/evaluate", many, {"Content-Type": "application/json"})
+        self.assertEqual(self.assert_problem(answer, 413, "too_large")["limit"], 40000)
+        self.ask("prism", "evaluate", {"points": [{"face": 0, "uv": [0, 0], "corner": 3}]}, 400)
+        self.ask("nobody", "evaluate", {"points": [MIDDLE]}, 404)
+
+    def test_nearest(self):
+        foot = self.ask("cube", "nearest", {"xyz": [0, 0, 3]})
+        self.assertEqual(foot["face"], 0)
+        self.assertAlmostEqual(foot["distance"], 3 - 68 / 81, 12)
+        foot = self.ask("loop", "nearest", {"xyz": [0.3, 0.4, 0.5]})
+        [point] = self.ask("loop", "evaluate", {"points": [{"face": foot["face"], "uv": foot["uv"]}]})["points"]
+        self.assert_near(point["xyz"], foot["xyz"])
+        off = [a - b for a, b in zip([0.3, 0.4, 0.5], foot["xyz"])]
+        self.assertAlmostEqual(math.hypot(*off), foot["distance"], 12)
+        for axis in ("du", "dv"):
+            self.assertAlmostEqual(sum(a * b for a, b in zip(off, point[axis])), 0, 10)
+        self.assertEqual(self.ask("cube", "nearest", {"xyz": [1, 2]}, 400)["pointer"], "/xyz")
+
+
+class Trace(Subdivisions):
+    def test_the_closed_geodesics_of_the_cube(self):
+        """In the mirror planes y = 0 and x = y: a trace along them closes, on the mesh up to what a level is, on the surface to 1e-8."""
+        vertex = {"face": 0, "uv": [0, 0]}  # of valence 3, in the plane x = y
+        for start, direction, length, plane in [(MIDDLE, [1, 0, 0], MIRROR, (0, 1, 0)), (MIDDLE, [1, 1, 0], DIAGONAL, (1, -1, 0)),
+                                                (vertex, [1, 1, 1], DIAGONAL, (1, -1, 0))]:
+            def far(point):
+                return abs(sum(a * b for a, b in zip(plane, point["xyz"])))
+
+            question = {"start": start, "directions": [direction], "length": length}
+            [path] = self.ask("cube", "trace", {**question, "smooth": True})["paths"]
+            self.assertEqual(path["end_reason"], "length")
+            self.assert_near(path["points"][-1]["xyz"], path["points"][0]["xyz"], 1e-8)
+            self.assertLess(max(map(far, path["points"])), 1e-8)
+            for rule in ("limit_normal", "bisect"):
+                before = 1
+                for level in (3, 5, 7):
+                    answer = self.ask("cube", "trace", {**question, "vertex_rule": rule, "level": level})
+                    self.assertEqual(answer["level"], level)
+                    [path] = answer["paths"]
+                    self.assertLess(max(map(far, path["points"])), 1e-9, (rule, level))
+                    gap = math.dist(path["points"][-1]["xyz"], path["points"][0]["xyz"])
+                    self.assertLess(gap, 0.2 * before)  # of second order: a sixteenth each time
+                    before = gap
+                self.assertLess(gap, 1e-3)
+
+    def test_error_falls_with_the_level(self):
+        question = {"start": {"face": 2, "uv": [0.3, 0.6]}, "fan": 16, "length": 1.2}
+        smooth = self.ask("cube", "trace", {**question, "smooth": True})["paths"]
+        errors = []
+        for level in (3, 4, 5, 6, 7):
+            rough = self.ask("cube", "trace?geometry=xyz", {**question, "level": level})["paths"]
+            off = [math.dist(a["points"][-1], b["points"][-1]["xyz"]) for a, b in zip(rough, smooth)]
+            errors.append(sum(off) / len(off))
+        self.assertLess(errors[-1], 1e-3)
+        self.assertLess(errors[-1], errors[0] / 60)  # at least of order 1.5; 2 is 256
+
+    def test_directions_and_geometry(self):
+        question = {"start": MIDDLE, "length": 0.3}
+        paths = self.ask("cube", "trace", {**question, "directions": [math.pi / 2, [0, 1, 5], {"angle": math.pi / 2}], "smooth": True})["paths"]
+        for path in paths:
+            self.assert_near(path["points"][-1]["xyz"], paths[0]["points"][-1]["xyz"], 1e-11)
+        fan = self.ask("cube", "trace?geometry=none", {**question, "fan": 4})["paths"]
+        self.assertEqual([set(path) for path in fan], [{"length", "end_direction", "end_reason"}] * 4)
+        for i, path in enumerate(fan):
+            self.assertAlmostEqual(path["length"], 0.3, 13)
+            angle = [math.cos(i * math.pi / 2), math.sin(i * math.pi / 2)]
+            self.assertGreater(sum(a * b for a, b in zip(angle, path["end_direction"]["xyz"])), 0.9)
+        answer = self.ask("cube", "trace?fields=start", {**question, "fan": 3})
+        self.assertEqual(list(answer), ["start"])
+        self.assert_near(answer["start"]["xyz"], [0, 0, 68 / 81])
+
+    def test_places_of_points_lie_where_they_say(self):
+        for name, start, scale in [("cube", MIDDLE, 1e-3), ("loop", {"face": 2, "uv": [0.2, 0.2]}, 1e-3),
+                                   ("prism", {"face": 1, "corner": 1, "uv": [0.4, 0.4]}, 3e-3)]:
+            for smooth in (False, True):
+                paths = self.ask(name, "trace", {"start": start, "fan": 5, "length": 1, "smooth": smooth})["paths"]
+                for path in paths:
+                    places = [{key: point[key] for key in ("face", "corner", "uv") if key in point} for point in path["points"]]
+                    for told, point in zip(path["points"], self.ask(name, "evaluate", {"points": places})["points"]):
+                        self.assert_near(told["xyz"], point["xyz"], 1e-9 if smooth else scale)
+
+    def test_the_boundary(self):
+        for smooth in (True, False):
+            question = {"start": {"face": 0, "uv": [0.5, 0.5]}, "directions": [[1, 0, 0]], "length": 9, "smooth": smooth}
+            [path] = self.ask("sheet", "trace", question)["paths"]
+            self.assertEqual(path["end_reason"], "boundary")
+            self.assertLess(path["length"], 1)
+            edge = {"start": {"face": 0, "uv": [1, 0.5]}, "directions": [[1, 0, 0], [-1, 0, 0]], "length": 0.2, "smooth": smooth}
+            off, on = self.ask("sheet", "trace", edge)["paths"]
+            self.assertEqual((off["end_reason"], off["length"]), ("boundary", 0))
+            self.assertEqual(on["end_reason"], "length")
+
+    def test_refusals(self):
+        good = {"start": MIDDLE, "length": 1, "fan": 2}
+        for change, pointer in [({"start": None}, "/start"), ({"length": -1}, "/length"), ({"level": 13}, "/level"), ({"level": 1.5}, "/level"),
+                                ({"vertex_rule": "x"}, "/vertex_rule"), ({"smooth": 1}, "/smooth"), ({"fan": 0}, "/fan"),
+                                ({"directions": [1]}, ""), ({"boundary_rule": "stop"}, "/boundary_rule")]:
+            document = {key: value for key, value in {**good, **change}.items() if value is not None}
+            self.assertEqual(self.ask("cube", "trace", document, 400)["pointer"], pointer, change)
+        self.assertEqual(self.ask("cube", "trace", {**good, "fan": 10001}, 413)["limit"], 10000)
+        self.assertEqual(self.ask("prism", "trace", {**good, "level": 0, "start": {"face": 0, "uv": [0, 0]}}, 400)["pointer"], "/level")
+        for smooth in (True, False):
+            self.ask("cube", "trace", {"start": MIDDLE, "length": 1, "directions": [[0, 0, 1]], "smooth": smooth}, 400)
+        self.ask("cube", "trace?timeout_ms=1", {**good, "fan": 10000, "length": 1000, "smooth": True}, 504)
+
+    def test_as_a_job(self):
+        accepted = self.daemon.request("POST", "/v1/subdivisions/cube/trace", json.dumps({"start": MIDDLE, "length": 1, "fan": 2}),
+                                       {"Content-Type": "application/json", "Prefer": "respond-async"})
+        self.assertEqual(accepted.status, 202)
+        until = time.monotonic() + 30
+        while (job := self.daemon.get(accepted.headers["Location"]).json)["state"] in ("queued", "running"):
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.01)
+        self.assertEqual(job["state"], "done", job)
+
+
+class Paths(Subdivisions):
+    def test_a_quarter_of_the_mirror_geodesic(self):
+        for level in (3, 6):
+            answer = self.ask("cube", "path", {"from": MIDDLE, "to": {"face": 5, "uv": [0.5, 0.5]}, "level": level})
+            self.assertAlmostEqual(answer["distance"], MIRROR / 4, 10)
+            self.assertTrue(answer["relaxed"])
+            self.assertLess(answer["error_estimate"], 1e-9)
+            self.assertLess(abs(answer["mesh_distance"] - answer["distance"]), 0.1 * 4 ** (2 - level))
+            self.assertEqual((answer["level"], answer["path"]["length"]), (level, answer["distance"]))
+            self.assert_near(answer["path"]["points"][0]["xyz"], answer["from"]["xyz"])
+            self.assert_near(answer["path"]["points"][-1]["xyz"], answer["to"]["xyz"], 1e-9)
+            self.assertEqual(answer["path"]["points"][-1]["uv"], [0.5, 0.5])
+        answer = self.ask("cube", "distance", {"from": MIDDLE, "to": {"face": 5, "uv": [0.5, 0.5]}})
+        self.assertNotIn("path", answer)
+        self.assertAlmostEqual(answer["distance"], MIRROR / 4, 10)
+
+    def test_a_path_is_a_trace(self):
+        """The geodesic that is found leaves in a direction in which a trace arrives."""
+        for name, start, end in [("cube", {"face": 0, "uv": [0.2, 0.7]}, {"face": 2, "uv": [0.6, 0.5]}),
+                                 ("loop", {"face": 0, "uv": [0.2, 0.3]}, {"face": 1, "uv": [0.5, 0.2]}),
+                                 ("prism", {"face": 1, "corner": 0, "uv": [0.9, 0.8]}, {"face": 2, "uv": [0.5, 0.3]})]:
+            answer = self.ask(name, "path", {"from": start, "to": end})
+            self.assertTrue(answer["relaxed"], answer)
+            back = self.ask(name, "distance", {"from": end, "to": start})
+            self.assertAlmostEqual(answer["distance"], back["distance"], 9)
+            first, second = answer["path"]["points"][:2]
+            way = [b - a for a, b in zip(first["xyz"], second["xyz"])]
+            [path] = self.ask(name, "trace", {"start": start, "directions": [way], "length": answer["distance"], "smooth": True})["paths"]
+            self.assertLess(math.dist(path["points"][-1]["xyz"], answer["to"]["xyz"]), 0.5 * math.hypot(*way) ** 2 + 1e-6)
+
+    def test_no_path_and_one_point(self):
+        places = {"from": {"face": 0, "uv": [0.5, 0.5]}, "to": {"face": 1, "uv": [0.5, 0.5]}}
+        answer = self.ask("pair", "path", places)
+        self.assertEqual((answer["distance"], answer["reason"], answer["path"]), (None, "no_path", None))
+        self.assertNotIn("error_estimate", answer)
+        answer = self.ask("cube", "path", {"from": MIDDLE, "to": MIDDLE})
+        self.assertEqual(answer["distance"], 0)
+        self.assertEqual(list(self.ask("cube", "path?fields=path&geometry=none", {"from": MIDDLE, "to": MIDDLE})["path"]), ["length"])
+        for change, pointer in [({"to": None}, "/to"), ({"level": 20}, "/level"), ({"via": []}, "/via")]:
+            document = {key: value for key, value in {"from": MIDDLE, "to": MIDDLE, **change}.items() if value is not None}
+            self.assertEqual(self.ask("cube", "path", document, 400)["pointer"], pointer)
+
+
+class Discretize(Subdivisions):
+    def test_vertices_lie_on_the_surface_and_remember(self):
+        answer = self.daemon.request("POST", "/v1/subdivisions/cube/discretize", json.dumps({"mesh": "fine", "level": 3}),
+                                     {"Content-Type": "application/json"})
+        self.assertEqual((answer.status, answer.headers["Location"]), (201, "/v1/meshes/fine"))
+        self.assertEqual((answer.json["vertices"], answer.json["faces"], answer.json["genus"]), (386, 768, 0))
+        places = self.daemon.get("/v1/meshes/fine/places").json
+        cube = self.daemon.get("/v1/subdivisions/cube").json
+        self.assertEqual(places["subdivision"], {"name": "cube", "etag": cube["etag"]})
+        asked = [{"face": int(face), "corner": int(corner), "uv": uv} for face, corner, *uv in places["places"]]
+        found = [point["xyz"] for point in self.ask("cube", "evaluate", {"points": asked})["points"]]
+        lines = self.daemon.get("/v1/meshes/fine/content?format=obj").body.decode().splitlines()
+        for line, xyz in zip((line for line in lines if line.startswith("v ")), found):
+            self.assert_near(list(map(float, line.split()[1:])), xyz, 1e-14)
+        binary = self.daemon.get("/v1/meshes/fine/places", Accept="application/octet-stream").body
+        self.assertEqual(list(struct.unpack(f"<{4 * 386}d", binary)), [x for place in places["places"] for x in place])
+        # everything that a mesh can do: from the middle of the top to that of the bottom
+        ends = [next(i for i, xyz in enumerate(found) if math.dist(xyz, [0, 0, z * 68 / 81]) < 1e-9) for z in (1, -1)]
+        distance = self.daemon.get(f"/v1/meshes/fine/distance?from=v:{ends[0]}&to=v:{ends[1]}").json["distance"]
+        self.assertAlmostEqual(distance, MIRROR / 2, 1)
+        again = self.ask("cube", "discretize", {"mesh": "fine", "level": 3})
+        self.assertEqual(again["etag"], answer.json["etag"])
+        self.daemon.request("DELETE", "/v1/meshes/fine")
+
+    def test_tolerance(self):
+        faces = [self.ask("cube", "discretize", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201)["faces"] for i in (2, 4)]
+        self.assertGreater(faces[1], 30 * faces[0])
+        for i in (2, 4):
+            self.daemon.request("DELETE", f"/v1/meshes/near-{i}")
+
+    def test_refusals(self):
+        for document, pointer in [({"mesh": "x"}, ""), ({"mesh": "x", "level": 2, "tolerance": 1}, ""), ({"level": 2}, "/mesh"), ({"mesh": ".x", "level": 1}, "/mesh"),
+                                  ({"mesh": "x", "level": 13}, "/level"), ({"mesh": "x", "tolerance": 0}, "/tolerance")]:
+            self.assertEqual(self.ask("cube", "discretize", document, 400)["pointer"], pointer, document)
+        self.ask("prism", "discretize", {"mesh": "x", "level": 0}, 400)
+        self.assertIn(self.ask("cube", "discretize", {"mesh": "x", "tolerance": 1e-14}, 413)["code"], ("too_large",))
+        self.assertEqual(self.daemon.get("/v1/meshes/x").status, 404)
+        self.daemon.put("square", SQUARE)
+        self.assert_problem(self.daemon.get("/v1/meshes/square/places"), 404, "not_found")
+        self.assert_problem(self.daemon.get("/v1/meshes/square/parameters"), 404, "not_found")
+
+
+class Kept(TestCase):
+    """Discretizations stay with the surface within the budget; those who ask at the same time share one build."""
+
+    flags = ("--memory-budget", "400MiB", "--workers", "4")
+
+    def memory(self):
+        for line in self.daemon.get("/metrics").body.decode().splitlines():
+            if line.startswith('geodesicd_memory_bytes{class="discretizations"}'):
+                return int(line.split()[1])
+        raise KeyError
+
+    def trace(self, name, level, **options):
+        return self.daemon.request("POST", f"/v1/subdivisions/{name}/trace?geometry=none",
+                                   json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": level, **options}),
+                                   {"Content-Type": "application/json"})
+
+    def test_kept_shared_and_let_go_of(self):
+        self.daemon.request("PUT", "/v1/subdivisions/a", CUBE)
+        self.assertEqual(self.memory(), 0)
+        self.assertEqual(self.trace("a", 5).status, 200)
+        one = self.memory()
+        self.assertGreater(one, 500_000)
+        answers = []
+        threads = [threading.Thread(target=lambda: answers.append(self.trace("a", 6))) for _ in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([answer.status for answer in answers], [200] * 6)
+        self.assertEqual(len({answer.body for answer in answers}), 1)
+        both = self.memory()
+        self.assertLess(both, 6 * one)  # a level more is four times as much, once
+        self.assertEqual(self.trace("a", 6).status, 200)
+        self.assertEqual(self.memory(), both)
+        for name in "bcdefgh":  # each level 7 of some 50 MB: not all fit
+            self.daemon.request("PUT", f"/v1/subdivisions/{name}", CUBE)
+            self.assertEqual(self.trace(name, 7).status, 200)
+        self.assertLess(self.memory(), 400 << 20)
+        self.assert_problem(self.trace("a", 9), 507, "insufficient_memory")
+        for name in "abcdefgh":
+            self.daemon.request("DELETE", f"/v1/subdivisions/{name}")
+        self.assertEqual(self.memory(), 0)
+
+    def test_who_waits_can_be_late(self):
+        self.daemon.request("PUT", "/v1/subdivisions/late", CUBE)
+        slow = threading.Thread(target=self.trace, args=("late", 8))
+        slow.start()
+        answer = self.daemon.request("POST", "/v1/subdivisions/late/trace?timeout_ms=20",
+                                     json.dumps({"start": MIDDLE, "fan": 1, "length": 1, "level": 8}), {"Content-Type": "application/json"})
+        slow.join()
+        self.assertIn(answer.status, (200, 504))  # 200 when it was fast
+        self.daemon.request("DELETE", "/v1/subdivisions/late")
+
+    def test_degenerate_surfaces_are_the_clients(self):
+        """Control points in one place: there is no normal, and no number is made up."""
+        flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n"
+        self.assertEqual(self.daemon.request("PUT", "/v1/subdivisions/line", flat).status, 201)
+        for query, document in [("evaluate", {"points": [MIDDLE]}), ("trace", {"start": MIDDLE, "fan": 3, "length": 1}),
+                                ("path", {"from": MIDDLE, "to": {"face": 0, "uv": [0, 1]}}), ("discretize", {"mesh": "line", "level": 2})]:
+            answer = self.daemon.request("POST", f"/v1/subdivisions/line/{query}", json.dumps(document), {"Content-Type": "application/json"})
+            problem = self.assert_problem(answer, 422, "invalid_mesh")
+            self.assertEqual(problem["reason"], "degenerate_face", (query, problem))
+
+
+class Stored(Folder):
+    def test_a_restart(self):
+        headers = {"Content-Type": "application/json"}
+        with self.start() as daemon:
+            self.assertEqual(daemon.request("PUT", "/v1/subdivisions/cube", CUBE).status, 201)
+            self.assertEqual(daemon.request("PUT", "/v1/subdivisions/loop?scheme=loop", OCTAHEDRON).status, 201)
+            self.assertEqual(daemon.request("POST", "/v1/subdivisions/cube/discretize", json.dumps({"mesh": "fine", "level": 2}), headers).status, 201)
+            places = daemon.get("/v1/meshes/fine/places").json
+            before = [daemon.get(f"/v1/subdivisions/{name}").json for name in ("cube", "loop")]
+        with self.start() as daemon:
+            self.assertEqual([daemon.get(f"/v1/subdivisions/{name}").json for name in ("cube", "loop")], before)
+            self.assertEqual(daemon.get("/v1/meshes/fine/places").json, places)
+            answer = daemon.request("POST", "/v1/subdivisions/cube/distance",
+                                    json.dumps({"from": MIDDLE, "to": {"face": 5, "uv": [0.5, 0.5]}}), headers)
+            self.assertAlmostEqual(answer.json["distance"], MIRROR / 4, 10)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,98 @@
+#include "support.h"
+
+#include "proto/decode.h"
+#include "proto/jet.h"
+
+static struct gd_parametric *new_sheet(void)
+{
+    struct gd_parametric *sheet;
+    const double zero = 0, range[] = {0, 1};
+    assert_int_equal(gd_parametric_graph(0, 0, &zero, range, range, &sheet, NULL), GD_OK);
+    return sheet;
+}
+
+static json_t *parse(const char *text)
+{
+    struct proto_problem problem;
+    json_t *document = proto_decode_document(text, strlen(text), &problem);
+    assert_non_null(document);
+    return document;
+}
+
+static void places_are_read(void **state)
+{
+    struct gd_parametric *sheet = new_sheet();
+    json_t *good = parse("{\"uv\":[[0,0],[1,0.5]]}"), *outside = parse("{\"uv\":[[0,0],[1,2]]}");
+    struct proto_problem problem;
+    struct proto_uvs uvs;
+    (void)state;
+    assert_true(proto_jets_decode(good, sheet, &uvs, &problem));
+    assert_int_equal(uvs.count, 2);
+    proto_uvs_free(&uvs);
+    assert_false(proto_jets_decode(outside, sheet, &uvs, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_POINT_NOT_ON_SURFACE);
+    assert_string_equal(problem.pointer, "/uv/1");
+    json_decref(good);
+    json_decref(outside);
+    gd_parametric_release(sheet);
+}
+
+static void a_point_has_the_wanted_fields(void **state)
+{
+    struct gd_parametric *sheet = new_sheet();
+    struct proto_writer writer = new_writer();
+    struct gd_jet jet, flat = {.x = {1, 2, 3}, .u = {1, 0, 0}, .v = {2, 0, 0}};
+    (void)state;
+    assert_int_equal(gd_parametric_evaluate(sheet, 0.5, 0.25, &jet), GD_OK);
+    proto_jet_encode(&writer, &jet, UINT32_MAX);
+    assert_written(
+        &writer,
+        "{\"xyz\":[0.5,0.25,0],\"normal\":[0,0,1],\"du\":[1,0,0],\"dv\":[0,1,0],\"duu\":[0,0,0],\"duv\":[0,0,0],"
+        "\"dvv\":[0,0,0],\"gaussian_curvature\":0,\"mean_curvature\":0}");
+    writer = new_writer();
+    proto_jet_encode(&writer, &flat, PROTO_JET_FIELD_NORMAL | PROTO_JET_FIELD_GAUSSIAN | PROTO_JET_FIELD_MEAN);
+    assert_written(&writer, "{\"normal\":null,\"gaussian_curvature\":null,\"mean_curvature\":null}");
+    gd_parametric_release(sheet);
+}
+
+static void a_foot_is_read_and_told(void **state)
+{
+    json_t *good = parse("{\"xyz\":[1,2,3]}"), *bad = parse("{\"xyz\":[1,2]}");
+    const struct gd_parametric_foot foot = {0.5, 0.25, {1, 2, 3}, 4};
+    struct proto_writer writer = new_writer();
+    struct proto_problem problem;
+    struct gd_vec3 xyz;
+    (void)state;
+    assert_true(proto_foot_decode(good, &xyz, &problem));
+    assert_true(xyz.x == 1 && xyz.y == 2 && xyz.z == 3);
+    assert_false(proto_foot_decode(bad, &xyz, &problem));
+    assert_pointer(&problem, "/xyz");
+    proto_foot_encode(&writer, &foot, UINT32_MAX);
+    assert_written(&writer, "{\"uv\":[0.5,0.25],\"xyz\":[1,2,3],\"distance\":4}");
+    writer = new_writer();
+    proto_foot_encode(&writer, &foot, PROTO_FOOT_FIELD_DISTANCE);
+    assert_written(&writer, "{\"distance\":4}");
+    json_decref(good);
+    json_decref(bad);
+}
+
+/* The names stand in the order of the bits. */
+static void fields_have_their_bits(void **state)
+{
+    (void)state;
+    assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN)], "mean_curvature");
+    assert_string_equal(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_DVV)], "dvv");
+    assert_null(proto_jet_fields[__builtin_ctz(PROTO_JET_FIELD_MEAN) + 1]);
+    assert_string_equal(proto_foot_fields[__builtin_ctz(PROTO_FOOT_FIELD_DISTANCE)], "distance");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(places_are_read),
+        cmocka_unit_test(a_point_has_the_wanted_fields),
+        cmocka_unit_test(a_foot_is_read_and_told),
+        cmocka_unit_test(fields_have_their_bits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

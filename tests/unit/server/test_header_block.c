@@ -1,0 +1,59 @@
+#include "support.h"
+
+#include "server/header_block.h"
+
+static struct server_response response;
+static struct server_header_block block;
+
+static void add(const char *name, const char *value)
+{
+    response.headers[response.header_count].name = name;
+    strcpy(response.headers[response.header_count++].value, value);
+}
+
+static void assert_block(const char *joined, const char *broken)
+{
+    char copy[sizeof block.value];
+    server_header_block_join(&block, &response);
+    assert_string_equal(block.value, joined);
+    strcpy(copy, block.value);
+    server_header_block_break(&block, copy);
+    assert_string_equal(copy, broken);
+}
+
+static void lines_stand_in_the_first_ones_value(void **state)
+{
+    (void)state;
+    response.header_count = 0;
+    add("ETag", "\"x\"");
+    assert_block("\"x\"", "\"x\"");
+    assert_string_equal(block.name, "ETag");
+    add("Vary", "Accept-Encoding");
+    add("X-Empty", "");
+    add("X-Blanks", "a  b: c");
+    assert_block("\"x\"  Vary: Accept-Encoding  X-Empty:   X-Blanks: a  b: c",
+                 "\"x\"\r\nVary: Accept-Encoding\r\nX-Empty: \r\nX-Blanks: a  b: c");
+}
+
+static void the_longest_fit(void **state)
+{
+    (void)state;
+    char name[SERVER_HEADER_NAME + 1], value[SERVER_HEADER_VALUE];
+    memset(name, 'n', sizeof name - 1);
+    memset(value, 'v', sizeof value - 1);
+    name[sizeof name - 1] = value[sizeof value - 1] = '\0';
+    response.header_count = 0;
+    while (response.header_count < SERVER_RESPONSE_HEADERS) add(name, value);
+    server_header_block_join(&block, &response);
+    assert_int_equal(strlen(block.value),
+                     SERVER_RESPONSE_HEADERS * (sizeof value - 1) + (SERVER_RESPONSE_HEADERS - 1) * (sizeof name + 3));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lines_stand_in_the_first_ones_value),
+        cmocka_unit_test(the_longest_fit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

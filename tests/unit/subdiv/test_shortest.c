@@ -1,0 +1,153 @@
+#include "tests/unit/subdiv/surfaces.h"
+
+#include "gd/limit_shortest.h"
+
+static struct gd_limit_mesh *fine_of(const struct gd_subdivision *surface, uint32_t level)
+{
+    struct gd_limit_mesh *fine = NULL;
+    struct gd_detail detail = {0};
+    check_ok(gd_limit_mesh_build(surface, level, 0, NULL, &fine, &detail), &detail);
+    return fine;
+}
+
+static struct gd_limit_shortest find(const struct gd_limit_mesh *fine, struct gd_limit_point from,
+                                     struct gd_limit_point to)
+{
+    struct gd_limit_shortest shortest = {0};
+    struct gd_detail detail = {0};
+    check_ok(gd_limit_shortest_find(fine, &from, &to, NULL, &shortest, &detail), &detail);
+    return shortest;
+}
+
+/* A flat sheet of regular cells is a plane in which distances are Pythagoras'. */
+static void plane(void **state)
+{
+    (void)state;
+    struct gd_control_mesh sheet;
+    make_sheet(4, false, &sheet);
+    for (uint32_t i = 0; i < sheet.polygons.position_count; i++) {
+        double *p = sheet.polygons.positions[i];
+        p[0] = i / 5, p[1] = i % 5, p[2] = 0;
+    }
+    struct gd_subdivision *surface = surface_of(&sheet, GD_SCHEME_CATMULL_CLARK);
+    gd_control_mesh_free(&sheet);
+    struct gd_limit_mesh *fine = fine_of(surface, 3);
+    struct gd_limit_shortest shortest =
+        find(fine, (struct gd_limit_point){5, 0, 0.25, 0.5}, (struct gd_limit_point){10, 0, 0.5, 0.125});
+    check_close(shortest.distance, hypot(1.25, 0.625), 1e-12);
+    check_close(shortest.mesh_distance, shortest.distance, 1e-12);
+    assert_true(shortest.relaxed);
+    gd_limit_shortest_free(&shortest);
+    gd_limit_mesh_free(fine);
+    gd_subdivision_release(surface);
+}
+
+/* Half of the closed geodesic in the mirror plane y = 0 of the smoothed cube, from the middle of the top to that of the bottom: smooth.md's length. */
+static void half_a_turn(void **state)
+{
+    (void)state;
+    struct gd_subdivision *surface = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
+    double before = 1;
+    for (uint32_t level = 2; level <= 5; level++) {
+        struct gd_limit_mesh *fine = fine_of(surface, level);
+        struct gd_limit_shortest shortest =
+            find(fine, (struct gd_limit_point){0, 0, 0.5, 0.5}, (struct gd_limit_point){5, 0, 0.5, 0.5});
+        check_close(shortest.distance, 5.344803240448 / 4, 1e-11);
+        assert_true(shortest.relaxed && shortest.error_estimate < 1e-10);
+        check_close(shortest.steps[0].position.z, 68.0 / 81, 1e-12);
+        check_close(shortest.steps[shortest.step_count - 1].position.x, 68.0 / 81, 1e-10);
+        double off = fabs(shortest.mesh_distance - shortest.distance);
+        assert_true(off < 0.3 * before); /* of second order */
+        before = off;
+        gd_limit_shortest_free(&shortest);
+        gd_limit_mesh_free(fine);
+    }
+    gd_subdivision_release(surface);
+}
+
+/* No path is longer than the ways by a third place, and the two directions are of one length. */
+static void laws(void **state)
+{
+    (void)state;
+    struct gd_subdivision *surface = surface_from(SKEW_CUBE, GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_mesh *fine = fine_of(surface, 5);
+    struct rng rng = {3};
+    uint32_t relaxed = 0;
+    for (int n = 0; n < 40; n++) {
+        struct gd_limit_point place[3];
+        double distance[3], error = 0;
+        for (int i = 0; i < 3; i++)
+            place[i] = (struct gd_limit_point){rng_below(&rng, 6), 0, rng_between(&rng, 0, 1), rng_between(&rng, 0, 1)};
+        for (int i = 0; i < 3; i++) {
+            struct gd_limit_shortest there = find(fine, place[i], place[(i + 1) % 3]);
+            struct gd_limit_shortest back = find(fine, place[(i + 1) % 3], place[i]);
+            distance[i] = there.distance;
+            error += there.error_estimate;
+            relaxed += there.relaxed;
+            assert_true(fabs(there.distance - back.distance) <= there.error_estimate + back.error_estimate + 1e-11);
+            check_close(there.distance, there.mesh_distance, 2e-3);
+            gd_limit_shortest_free(&there);
+            gd_limit_shortest_free(&back);
+        }
+        for (int i = 0; i < 3; i++) assert_true(distance[i] <= distance[(i + 1) % 3] + distance[(i + 2) % 3] + error);
+    }
+    assert_true(relaxed > 110); /* the others end at conjugate points, or pass a vertex of valence 3 */
+    gd_limit_mesh_free(fine);
+    gd_subdivision_release(surface);
+}
+
+/* Around a corner that turns in, where the path is not a geodesic, its length converges, and the estimate tells how far. */
+static void around_a_corner(void **state)
+{
+    (void)state;
+    struct gd_subdivision *corner =
+        surface_from("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\nv 0 2 0\nv 1 2 0\n"
+                     "f 1 2 5 4\nf 2 3 6 5\nf 4 5 8 7\n",
+                     GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_shortest by_level[3];
+    for (int i = 0; i < 3; i++) {
+        struct gd_limit_mesh *fine = fine_of(corner, 2 + 3 * (uint32_t)i);
+        by_level[i] = find(fine, (struct gd_limit_point){1, 0, 0.9, 0.9}, (struct gd_limit_point){2, 0, 0.9, 0.9});
+        gd_limit_mesh_free(fine);
+        assert_false(by_level[i].relaxed);
+    }
+    for (int i = 0; i < 2; i++) {
+        assert_true(fabs(by_level[i].distance - by_level[2].distance) <= by_level[i].error_estimate);
+        assert_true(by_level[i + 1].error_estimate < by_level[i].error_estimate / 16);
+    }
+    for (int i = 0; i < 3; i++) gd_limit_shortest_free(&by_level[i]);
+    gd_subdivision_release(corner);
+}
+
+static void edges(void **state)
+{
+    (void)state;
+    struct gd_subdivision *surface =
+        surface_from("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\n"
+                     "f 1 2 3 4\nf 5 6 7 8\n",
+                     GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_mesh *fine = fine_of(surface, 3);
+    const struct gd_limit_point here = {0, 0, 0.3, 0.4}, there = {1, 0, 0.5, 0.5}, nowhere = {2, 0, 0, 0};
+    struct gd_limit_shortest shortest = find(fine, here, there);
+    assert_true(isinf(shortest.distance) && shortest.step_count == 0);
+    gd_limit_shortest_free(&shortest);
+    shortest = find(fine, here, here);
+    assert_true(shortest.distance == 0 && shortest.step_count >= 1);
+    gd_limit_shortest_free(&shortest);
+    shortest = find(fine, here, (struct gd_limit_point){0, 0, 0.3, 0.4 + 1e-13});
+    assert_true(shortest.distance < 1e-12);
+    gd_limit_shortest_free(&shortest);
+    assert_int_equal(gd_limit_shortest_find(fine, &here, &nowhere, NULL, &shortest, NULL), GD_OUT_OF_RANGE);
+    assert_int_equal(
+        gd_limit_shortest_find(fine, &here, &here, &(struct gd_control){.deadline_ns = 1}, &shortest, NULL),
+        GD_DEADLINE);
+    gd_limit_mesh_free(fine);
+    gd_subdivision_release(surface);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(plane), cmocka_unit_test(half_a_turn), cmocka_unit_test(laws),
+                                       cmocka_unit_test(around_a_corner), cmocka_unit_test(edges)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

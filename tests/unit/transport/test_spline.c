@@ -1,0 +1,298 @@
+/* Splines against the classical ones in the plane, and the laws that they keep on any surface. */
+#include "tests/unit/transport/lines.h"
+
+#include "gd/frame.h"
+#include "gd/query.h"
+#include "gd/spline.h"
+
+enum { POINTS = 5 };
+
+static struct gd_spline build(const struct gd_mesh *mesh, const struct gd_spline_request *request)
+{
+    struct gd_spline spline;
+    struct gd_detail detail = {0};
+    check_ok(gd_spline_build(mesh, request, NULL, &spline, &detail), &detail);
+    return spline;
+}
+
+static struct gd_spline_line sample(const struct gd_mesh *mesh, const struct gd_spline *spline,
+                                    struct gd_spline_sampling sampling)
+{
+    struct gd_spline_line line;
+    struct gd_detail detail = {0};
+    check_ok(gd_spline_sample(mesh, spline, &sampling, NULL, &line, &detail), &detail);
+    return line;
+}
+
+static void random_points(const struct surface *surface, struct rng *rng, struct gd_point *out, uint32_t count)
+{
+    for (uint32_t i = 0; i < count;) {
+        out[i] = test_point(surface->mesh, test_random_place(&surface->polygons, rng));
+        bool is_apart = gd_point_component(surface->mesh, &out[i]) == gd_point_component(surface->mesh, &out[0]);
+        for (uint32_t k = 0; k < i; k++) is_apart &= !gd_point_equal(&out[i], &out[k]);
+        i += is_apart;
+    }
+}
+
+/* --- the plane ----------------------------------------------------------------------------------------------------------- */
+
+/* The cubic through the points i and i + 1 with the tangents m, by Hermite's basis. */
+static struct gd_vec3 hermite(const struct gd_vec3 *p, const struct gd_vec3 *m, double span, double t)
+{
+    double t2 = t * t, t3 = t2 * t;
+    struct gd_vec3 at = gd_vec3_scale(p[0], 2 * t3 - 3 * t2 + 1);
+    at = gd_vec3_along(at, (t3 - 2 * t2 + t) * span, m[0]);
+    at = gd_vec3_along(at, 3 * t2 - 2 * t3, p[1]);
+    return gd_vec3_along(at, (t3 - t2) * span, m[1]);
+}
+
+static void check_plane(const struct gd_mesh *mesh, const struct gd_point *points, bool closed, double alpha,
+                        double tension, enum gd_tangent_rule rule)
+{
+    struct gd_vec3 p[POINTS + 1], m[POINTS + 1];
+    double u[POINTS + 1] = {0};
+    uint32_t count = POINTS - !closed;
+    for (uint32_t i = 0; i <= POINTS; i++) p[i] = gd_point_position(mesh, &points[i % POINTS]);
+    for (uint32_t i = 0; i < POINTS; i++) u[i + 1] = u[i] + pow(gd_vec3_distance(p[i], p[i + 1]), alpha);
+    for (uint32_t i = 0; i <= count; i++) {
+        uint32_t before = i ? i - 1 : POINTS - 1, after = i == count && closed ? 1 : i + 1;
+        double span = (i == count && closed ? u[1] : i < POINTS ? u[i + 1] - u[i] : 0) + u[before + 1] - u[before];
+        if (after > POINTS) continue;
+        m[i] = gd_vec3_scale(gd_vec3_sub(p[after], p[before]), (1 - tension) / span);
+    }
+    if (!closed) {
+        m[0] = gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[1], p[0]), 1.5 / (u[1] - u[0])), -0.5, m[1]);
+        uint32_t n = POINTS - 1;
+        m[n] = gd_vec3_along(gd_vec3_scale(gd_vec3_sub(p[n], p[n - 1]), 1.5 / (u[n] - u[n - 1])), -0.5, m[n - 1]);
+    }
+    struct gd_spline spline = build(mesh, &(struct gd_spline_request){.points = points,
+                                                                      .count = POINTS,
+                                                                      .closed = closed,
+                                                                      .alpha = alpha,
+                                                                      .tension = tension,
+                                                                      .tangent_rule = rule});
+    struct gd_spline_line line = sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 7});
+    assert_int_equal(line.count, 7 * count + 1);
+    for (uint32_t i = 0; i < line.count; i++) {
+        uint32_t k = i == 7 * count ? count - 1 : i / 7;
+        double t = (line.places[i].parameter - u[k]) / (u[k + 1] - u[k]);
+        struct gd_vec3 at = hermite(&p[k], &m[k], u[k + 1] - u[k], t);
+        expect_place(gd_point_position(mesh, &line.places[i].point), at.x, at.y, at.z, 1e-13);
+    }
+    gd_spline_line_free(&line);
+    gd_spline_free(&spline);
+}
+
+static void classical_in_the_plane(void **state)
+{
+    (void)state;
+    struct surface plane = surface_of("grid", (double[SAMPLE_PARAMETERS]){40, 30, 1, 1});
+    struct rng rng = {3};
+    for (int i = 0; i < 20; i++) {
+        struct gd_point points[POINTS];
+        for (uint32_t k = 0; k < POINTS; k++)
+            points[k] = nearest(plane.mesh, rng_between(&rng, 0.4, 0.6), rng_between(&rng, 0.4, 0.6), 0);
+        check_plane(plane.mesh, points, i % 2, 0.5 * (i % 3), 0.25 * (i % 4), (enum gd_tangent_rule)(i / 2 % 2));
+    }
+    surface_free(&plane);
+}
+
+/* --- laws ---------------------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    double values[SAMPLE_PARAMETERS];
+} surfaces[] = {{"icosphere", {3, 1}}, {"torus", {36, 24, 1, 0.4}}, {"cylinder", {1, 2, 24, 12}}};
+
+/* All points lie on the surface, one face for two that follow each other, and the length is the sum. */
+static void check_path(const struct gd_mesh *mesh, const struct gd_path *path)
+{
+    double length = 0;
+    for (uint32_t i = 1; i < path->count; i++) {
+        struct gd_vec3 a = gd_point_position(mesh, &path->points[i - 1]), b = gd_point_position(mesh, &path->points[i]);
+        length += gd_vec3_distance(a, b);
+    }
+    check_close(path->length, length, 1e-12);
+}
+
+static bool is_clipped(const struct gd_spline *spline)
+{
+    bool is = false;
+    for (uint32_t i = 0; i < spline->count; i++) is |= spline->segments[i].is_clipped;
+    return is;
+}
+
+static void check_laws(const struct surface *surface, const struct gd_point *points, struct gd_spline_request request)
+{
+    const struct gd_mesh *mesh = surface->mesh;
+    struct gd_point turned[POINTS];
+    request.points = points;
+    struct gd_spline spline = build(mesh, &request);
+    struct gd_spline_line line = sample(mesh, &spline, (struct gd_spline_sampling){.per_segment = 8});
+    check_path(mesh, &line.path);
+    for (uint32_t i = 0; i <= spline.count; i++) {
+        assert_true(gd_point_equal(&line.places[8 * i].point, &points[i % request.count]));
+        if (is_clipped(&spline)) continue;
+        expect_near(spline.knots[i].angle_jump, 0, 1e-9);
+        expect_near(spline.knots[i].speed_jump, 0, 1e-9);
+    }
+    for (uint32_t i = 0; i < request.count; i++) turned[i] = points[request.count - 1 - i];
+    request.points = turned;
+    struct gd_spline back = build(mesh, &request);
+    uint32_t shift = request.closed ? 8 * (spline.count - 1) : line.count - 1;
+    struct gd_spline_line other = sample(mesh, &back, (struct gd_spline_sampling){.per_segment = 8});
+    for (uint32_t i = 0; i < line.count; i++) {
+        uint32_t k = request.closed ? (shift + 8 * spline.count - i) % (8 * spline.count) : shift - i;
+        struct gd_vec3 at = gd_point_position(mesh, &other.places[k].point);
+        expect_place(gd_point_position(mesh, &line.places[i].point), at.x, at.y, at.z, 1e-9);
+    }
+    gd_spline_line_free(&line);
+    gd_spline_line_free(&other);
+    gd_spline_free(&spline);
+    gd_spline_free(&back);
+}
+
+static void laws_on_surfaces(void **state)
+{
+    (void)state;
+    for (uint32_t s = 0; s < COUNT(surfaces); s++) {
+        struct surface surface = surface_of(surfaces[s].name, surfaces[s].values);
+        struct rng rng = {s};
+        for (int i = 0; i < 40; i++) {
+            struct gd_point points[POINTS];
+            random_points(&surface, &rng, points, POINTS);
+            struct gd_spline_request request = {
+                .count = POINTS, .closed = i % 2, .alpha = 0.5 * (i % 3), .tension = 0.4, .end_rule = i / 2 % 2};
+            if (surfaces[s].name[0] == 'c') request.tension = 0.9;
+            check_laws(&surface, points, request);
+        }
+        surface_free(&surface);
+    }
+}
+
+/* ../shared/meshes, where they are there. */
+static void laws_on_shared_meshes(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"cow", "fandisk", "spot", "suzanne", "rocker-arm", "stanford-bunny"};
+    for (uint32_t i = 0; i < COUNT(names); i++) {
+        struct surface surface;
+        if (!surface_read(names[i], &surface)) continue;
+        struct rng rng = {i};
+        for (int k = 0; k < 3; k++) {
+            struct gd_point points[POINTS];
+            random_points(&surface, &rng, points, POINTS);
+            check_laws(&surface, points, (struct gd_spline_request){.count = POINTS, .closed = k % 2, .alpha = 0.5});
+        }
+        surface_free(&surface);
+    }
+}
+
+/* The same curve whatever the unit. */
+static void any_scale(void **state)
+{
+    (void)state;
+    double length = 0;
+    for (int i = 0; i < 3; i++) {
+        double scale = i == 0 ? 1 : i == 1 ? 1e-6 : 1e6;
+        struct surface sphere = {0};
+        check_ok(sample_find("icosphere")->generate((double[SAMPLE_PARAMETERS]){3, 1}, &sphere.polygons), NULL);
+        for (uint32_t v = 0; v < sphere.polygons.position_count; v++)
+            for (int k = 0; k < 3; k++) sphere.polygons.positions[v][k] *= scale;
+        sphere.mesh = test_mesh(&sphere.polygons);
+        struct gd_point points[3] = {vertex(sphere.mesh, 5), vertex(sphere.mesh, 77), vertex(sphere.mesh, 300)};
+        struct gd_spline spline =
+            build(sphere.mesh, &(struct gd_spline_request){.points = points, .count = 3, .closed = true});
+        struct gd_spline_line line = sample(sphere.mesh, &spline, (struct gd_spline_sampling){.even = 30});
+        if (i == 0) length = line.path.length;
+        double speed = line.path.length / 30; /* of each step, but for the bend of its chord */
+        for (uint32_t k = 1; k < line.count; k++)
+            check_close(gd_vec3_distance(gd_point_position(sphere.mesh, &line.places[k - 1].point),
+                                         gd_point_position(sphere.mesh, &line.places[k].point)),
+                        speed, 0.01);
+        check_close(line.path.length, length * scale, 1e-9);
+        gd_spline_line_free(&line);
+        gd_spline_free(&spline);
+        surface_free(&sphere);
+    }
+}
+
+/* With tension 1 it is the polyline of shortest paths; finer tolerances only add to the length. */
+static void lengths(void **state)
+{
+    (void)state;
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){36, 24, 1, 0.4});
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200), vertex(torus.mesh, 500)};
+    struct gd_spline_request request = {.points = points, .count = 3, .tension = 1, .end_rule = GD_END_ZERO};
+    struct gd_spline spline = build(torus.mesh, &request);
+    struct gd_spline_line line = sample(torus.mesh, &spline, (struct gd_spline_sampling){.tolerance = 1e-3});
+    check_close(line.path.length, spline.segments[0].distance + spline.segments[1].distance, exact);
+    gd_spline_line_free(&line);
+    gd_spline_free(&spline);
+    request.tension = 0;
+    spline = build(torus.mesh, &request);
+    double before = 0;
+    for (double tolerance = 0.1; tolerance > 1e-6; tolerance /= 10) {
+        line = sample(torus.mesh, &spline, (struct gd_spline_sampling){.tolerance = tolerance});
+        assert_true(line.path.length >= before * (1 - 1e-6));
+        before = line.path.length;
+        gd_spline_line_free(&line);
+    }
+    struct gd_curve curve;
+    check_ok(gd_spline_curve(torus.mesh, &request, &(struct gd_spline_sampling){.tolerance = 1e-6}, NULL, &curve, NULL),
+             NULL);
+    check_close(gd_curve_length(torus.mesh, &curve), before, 1e-5);
+    gd_curve_free(&curve);
+    gd_spline_free(&spline);
+    surface_free(&torus);
+}
+
+static bool never(void *user, double fraction)
+{
+    (void)user, (void)fraction;
+    return false;
+}
+
+static void refusals(void **state)
+{
+    (void)state;
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){36, 24, 1, 0.4});
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 200), vertex(torus.mesh, 200)};
+    struct gd_spline spline;
+    struct gd_detail detail = {0};
+    struct gd_spline_request request = {.points = points, .count = 3};
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_true(detail.count == 1 && detail.elements[0][0] == 2);
+    request.count = 1;
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    request.count = 2;
+    request.alpha = 1.5;
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    request.alpha = 0.5;
+    const struct gd_control cancel = {.progress = never}, poor = {.budget_bytes = 100};
+    assert_int_equal(gd_spline_build(torus.mesh, &request, &poor, &spline, &detail), GD_BUDGET);
+    spline = build(torus.mesh, &request);
+    struct gd_spline_line line;
+    struct gd_spline_sampling sampling = {.per_segment = 4};
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &cancel, &line, &detail), GD_CANCELLED);
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, &poor, &line, &detail), GD_BUDGET);
+    sampling.spacing = 1;
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_INVALID_ARGUMENT);
+    sampling = (struct gd_spline_sampling){.spacing = 1e-9};
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_TOO_LARGE);
+    sampling = (struct gd_spline_sampling){.parameters = (double[2]){0.5, 0.1}, .count = 2};
+    assert_int_equal(gd_spline_sample(torus.mesh, &spline, &sampling, NULL, &line, &detail), GD_INVALID_ARGUMENT);
+    gd_spline_free(&spline);
+    surface_free(&torus);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(classical_in_the_plane),
+                                       cmocka_unit_test(laws_on_surfaces),
+                                       cmocka_unit_test(laws_on_shared_meshes),
+                                       cmocka_unit_test(any_scale),
+                                       cmocka_unit_test(lengths),
+                                       cmocka_unit_test(refusals)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
