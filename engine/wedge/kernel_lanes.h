@@ -441,6 +441,14 @@ static inline void reach_straight(struct gd__apex *apex, const struct gd__window
     }
 }
 
+/* A direction stays of unit length, whatever rounding makes of it across many narrow faces. */
+static inline void keep_unit(mask linear, lanes *x, lanes *y)
+{
+    lanes scale = pick(linear, all(1) / root(*x * *x + *y * *y), all(1));
+    *x = *x * scale;
+    *y = *y * scale;
+}
+
 static void cast(const struct gd_side *side, const struct gd__windows *w, uint32_t count, bool coalesce,
                  struct gd__apex *apex, struct gd__children *left_list, struct gd__children *right_list)
 {
@@ -480,6 +488,7 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
         mask to_left = both(active, lt(k0, zero));
         if (any(to_left)) {
             lanes yl = uy * x + ux * y, xl = x * ux - y * uy, back = y * ux, minus_y = zero - y;
+            if (WITH_LINEAR) keep_unit(linear, &xl, &yl);
             lanes t0 = b0 * minus_y / (e0 * uy - back), t1 = b1 * minus_y / (e1 * uy - back);
             t0 = pick(except(ge(t0, zero), le(b0, zero)), t0, zero);
             t1 = pick(except(le(t1, all(left_length)), ge(k1, zero)), t1, all(left_length));
@@ -495,6 +504,7 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
                 farther = pick(linear, sigma + beyond, sigma);
             }
             lanes yr = vy * rx - vx * ry, xr = rx * vx + ry * vy, back = y * vx;
+            if (WITH_LINEAR) keep_unit(linear, &xr, &yr);
             lanes t0 = (zero - k0) / (e0 * vy - back), t1 = (zero - k1) / (e1 * vy - back);
             t0 = pick(except(ge(t0, zero), le(k0, zero)), t0, zero);
             t1 = pick(except(le(t1, all(right_length)), ge(b1, whole)), t1, all(right_length));
