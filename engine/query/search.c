@@ -64,12 +64,13 @@ static enum gd_status run_both(struct search *search, struct gd__guide *guide, d
     struct gd__share share = {.control = control, .total = 2};
     enum gd_status status = gd__guide_mark_corridor(guide, &search->seed.point);
     struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
-    upper += guide->margin; /* between points close together rounding is more than a part of their distance */
+    double rounding = guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
+    upper += rounding; /* between points close together it is more than a part of their distance */
     guide->in_corridor_only = true;
     if (!status) status = run(search, guide, upper, NULL, &own);
     guide->in_corridor_only = false;
     share.done = 1;
-    upper = fmin(upper, search->distance * (1 + GD_TOL_BOUND) + guide->margin);
+    upper = fmin(upper, search->distance * (1 + GD_TOL_BOUND) + rounding);
     if (!status) status = run(search, guide, upper, out, &own);
     if (!status && !(search->distance <= upper * (1 + GD_TOL_CHECK))) status = GD_INTERNAL; /* lost on the way */
     if (!status) out->distance = search->distance * search->mesh->unit;

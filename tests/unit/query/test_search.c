@@ -240,6 +240,29 @@ static void points_close_to_a_vertex(void **state)
     gd_polygons_free(&polygons);
 }
 
+/* The same at the origin, where coordinates tell nothing of how edges are rounded: from a point of an edge to the edge's end. */
+static void points_close_to_a_vertex_at_the_origin(void **state)
+{
+    (void)state;
+    struct gd_polygons polygons;
+    check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){1, 1, 1}, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    struct gd_point corner = vertex(mesh, 0), point;
+    for (uint32_t other = 1; other < 8; other++) {
+        for (double t = 1e-14; t < 1e-6; t *= 1.7) {
+            struct gd_pair_answer answer;
+            if (gd_point_on_edge(mesh, (struct gd_vertex){0}, (struct gd_vertex){other}, t, &point, NULL)) continue;
+            double length = gd_vec3_distance(gd_mesh_position(mesh, (struct gd_vertex){0}),
+                                             gd_mesh_position(mesh, (struct gd_vertex){other}));
+            check_ok(gd_pair_solve(mesh, &point, &corner, true, NULL, NULL, &answer, NULL), NULL);
+            assert_true(fabs(answer.distance - t * length) < 4e-15);
+            gd_pair_answer_free(&answer);
+        }
+    }
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -250,6 +273,7 @@ int main(void)
         cmocka_unit_test(a_failed_search_leaves_nothing),
         cmocka_unit_test(hubs_are_walked_round_a_few_times),
         cmocka_unit_test(points_close_to_a_vertex),
+        cmocka_unit_test(points_close_to_a_vertex_at_the_origin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
