@@ -67,7 +67,8 @@ struct set {
 
 static inline struct gd_field_request *make_set(struct fixture *fixture, struct set *set, double offset, double radius)
 {
-    *set = (struct set){.seeds = {{vertex_point(fixture->mesh, 3), 0}, {vertex_point(fixture->mesh, 8), offset}}};
+    *set = (struct set){.seeds = {{.point = vertex_point(fixture->mesh, 3)},
+                                  {.point = vertex_point(fixture->mesh, 8), .offset = offset}}};
     set->request = (struct gd_field_request){.seeds = set->seeds, .seed_count = 2, .radius = radius};
     return &set->request;
 }
