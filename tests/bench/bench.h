@@ -26,6 +26,7 @@ int bench_trace(char **arguments);
 int bench_limit(char **arguments);
 int bench_spline(char **arguments);
 int bench_resume(char **arguments);
+int bench_curve(char **arguments);
 int bench_peer(char **arguments);
 int bench_export(char **arguments);
 

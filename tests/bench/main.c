@@ -17,6 +17,8 @@ static const struct {
     {"limit", "[--quick] [--loop] [MESH...]",
      "limit surfaces: a million vertices, 360 geodesics, and the same by other means; a cube when none is named",
      bench_limit},
+    {"curve", "[OPTION...] MESH...", "fields of a curve of a thousand segments: seeding them, and all of it",
+     bench_curve},
     {"resume", "[OPTION...] MESH...", "fields that reach farther: resumed against built from nothing", bench_resume},
     {"nurbs", "[--runs N] [--samples N]",
      "shortest paths between curves of smooth surfaces, and the sampling that their paper starts from", bench_nurbs},

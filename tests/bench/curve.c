@@ -1,0 +1,73 @@
+/* gd_bench curve: fields of a curve of about a thousand segments, each an exact source: what seeding them takes, and the field against that of a point. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gd/curve.h"
+#include "tests/bench/bench.h"
+
+enum {
+    SEGMENTS = 1000,
+    MOST_POINTS = 64 /* that are joined, whatever the segments of a small mesh are */
+};
+
+/* Random points joined by shortest paths, as many as it takes; the curve is cut at SEGMENTS. */
+static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
+{
+    struct gd_point points[MOST_POINTS];
+    struct gd_detail detail = {0};
+    struct gd_curve curve = {0};
+    for (uint32_t i = 0; i < MOST_POINTS; i++) points[i] = bench_random_point(mesh, GD_POINT_FACE, rng);
+    for (uint32_t count = 2; count <= MOST_POINTS && curve.count <= SEGMENTS; count *= 2) {
+        struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = count};
+        gd_curve_free(&curve);
+        bench_require(gd_curve_resolve(mesh, &request, NULL, bench_control(), &curve, &detail), &detail);
+    }
+    if (curve.count > SEGMENTS + 1) curve.count = SEGMENTS + 1;
+    return curve;
+}
+
+/* Processor time of a field that reaches that far (0: all of it). */
+static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+{
+    struct gd_field *field = NULL;
+    struct gd_detail detail = {0};
+    const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    double start = bench_thread_ms();
+    bench_require(gd_field_build(mesh, &request, bench_control(), NULL, &field, &detail), &detail);
+    double ms = bench_thread_ms() - start;
+    gd_field_release(field);
+    return ms;
+}
+
+static void measure(const char *name, const struct gd_mesh *mesh, const struct bench_options *options)
+{
+    struct rng rng = {8};
+    uint32_t runs = options->runs;
+    struct gd_curve curve = random_curve(mesh, &rng);
+    uint32_t count = gd_curve_seed_count(&curve);
+    struct gd_seed *seeds = bench_allocate(count * sizeof *seeds);
+    double *values = bench_allocate(3 * runs * sizeof *values), *seeding = values, *whole = values + runs,
+           *point = values + 2 * (size_t)runs, least = 1e-12 * gd_mesh_summary(mesh)->edge_length.min;
+    gd_curve_seeds(&curve, 0, seeds);
+    for (uint32_t i = 0; i < runs; i++) {
+        seeding[i] = build(mesh, seeds, count, least) -
+                     build(mesh, seeds, 1, least); /* what a field takes anyway is none of it */
+        whole[i] = build(mesh, seeds, count, 0);
+        point[i] = build(mesh, seeds, 1, 0);
+    }
+    double seeding_ms = bench_median(seeding, runs), field_ms = bench_median(whole, runs);
+    bench_print_mesh(name, mesh);
+    printf(
+        "\"runs\":%u,\"segments\":%u,\"seeding_cpu_ms\":%.3f,\"curve_field_cpu_ms\":%.3f,\"point_field_cpu_ms\":%.3f,",
+        runs, count - curve.count, seeding_ms, field_ms, bench_median(point, runs));
+    printf("\"seeding_part\":%.4f,", seeding_ms / field_ms);
+    bench_print_end();
+    free(values);
+    free(seeds);
+    gd_curve_free(&curve);
+}
+
+int bench_curve(char **arguments)
+{
+    return bench_each_mesh(arguments, 7, measure);
+}
