@@ -1,12 +1,9 @@
-#include "mesh/segment.h"
 #include "wedge/wavefront.h"
 
-/* Emission: what a pseudo-source sees at once. A seed sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies
- * before and behind it at right angles; a saddle or
- * boundary vertex only the shadow cone behind it, where a path that bends there is locally shortest: at least pi on both sides of the ray
- * that came in. */
+/* Emission: what a pseudo-source sees at once. A seed at a vertex sees its fan; a saddle or boundary vertex only the shadow cone behind it, where a
+ * path that bends there is locally shortest: at least pi on both sides of the ray that came in. */
 
-static void deliver_one(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
+void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
 {
     if (!front->status) front->status = gd__children_reserve(&front->work->left, &front->work->pool, 1);
     if (front->status) return;
@@ -75,7 +72,7 @@ static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, cons
                                     gd__wavefront_rest(front, apex),
                                     gd__wavefront_rest(front, fan->tip),
                                     front->falls};
-    deliver_one(front, &receiver, &window);
+    gd__wavefront_offer(front, &receiver, &window);
 }
 
 /* Emits into the directions [from, to] of the fan, 0 <= from <= to; an interior fan goes round (to may exceed the total angle). */
@@ -150,191 +147,4 @@ void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     if (!domain->is_common) gd__wavefront_tell(front, vertex);
     if (!front->status) emit_vertex(front, vertex);
     domain->is_common = false;
-}
-
-/* --- seeds --------------------------------------------------------------------------------------------------------------- */
-
-/* Offers a side a seed's window. */
-static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
-{
-    struct gd__receiver to = gd__wavefront_receiver(front, side);
-    deliver_one(front, &to, window);
-}
-
-/* Sends the seed's window out of its face across `side` (a side of that face). */
-static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
-{
-    double length = front->mesh->side[side].length;
-    if (gd__window_grazes(length - at.x, at.y, length)) return;
-    struct gd__window window = {.b0 = 0,
-                                .b1 = length,
-                                .x = length - at.x,
-                                .y = at.y,
-                                .sigma = front->seeds[seed].offset,
-                                .source = front->mesh->vertex_count + seed};
-    seed_side(front, side ^ 1, &window);
-}
-
-/* Straight to the apex of `side`, a side of the seed's face. */
-static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
-{
-    const struct gd_side *s = &front->mesh->side[side];
-    double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
-    struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
-    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + sqrt(dx * dx + dy * dy),
-                        birth);
-}
-
-static void seed_face(struct gd__wavefront *front, uint32_t seed)
-{
-    const struct gd_mesh *mesh = front->mesh;
-    const struct gd_point *point = &front->seeds[seed].point;
-    const uint32_t *sides = mesh->face_side[point->element];
-    struct gd__local at[3];
-    for (int k = 0; k < 3; k++) {
-        at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        seed_apex(front, seed, sides[k], at[k]);
-    }
-    for (int k = 0; k < 3; k++) seed_across(front, seed, sides[k], at[k]);
-}
-
-/* From a point of an edge into the face of one of its sides: the apex and the two other sides. */
-static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t)
-{
-    const struct gd_mesh *mesh = front->mesh;
-    if (gd__side_is_boundary(mesh, side)) return;
-    seed_apex(front, seed, side, (struct gd__local){t, 0});
-    double u = t / mesh->side[side].length; /* weights 1 - u, u, 0 of origin, destination, apex */
-    uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
-    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u));
-    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u));
-}
-
-static void seed_edge(struct gd__wavefront *front, uint32_t seed)
-{
-    const struct gd_mesh *mesh = front->mesh;
-    const struct gd_point *point = &front->seeds[seed].point;
-    uint32_t side = 2 * point->element;
-    double length = mesh->side[side].length, t = point->weight[0] * length, offset = front->seeds[seed].offset;
-    struct gd__birth birth = {.side = GD_NONE, .source = mesh->vertex_count + seed};
-    gd__wavefront_reach(front, mesh->origin[side], offset + t, birth);
-    gd__wavefront_reach(front, mesh->origin[side ^ 1], offset + (length - t), birth);
-    seed_half_edge(front, seed, side, t);
-    seed_half_edge(front, seed, side ^ 1, length - t);
-}
-
-/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */
-static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
-{
-    uint32_t vertex = front->seeds[seed].point.element;
-    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
-    gd__wavefront_reach(front, vertex, front->seeds[seed].offset, birth);
-    if (front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
-}
-
-/* --- segments ------------------------------------------------------------------------------------------------------------ */
-
-static uint32_t linear_source(const struct gd__wavefront *front, uint32_t seed)
-{
-    return GD__SOURCE_LINEAR | (front->mesh->vertex_count + seed);
-}
-
-/* A segment along an edge goes off to both of its sides. */
-static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t edge)
-{
-    const struct gd__seed *s = &front->seeds[seed];
-    const struct gd_mesh *mesh = front->mesh;
-    double length = mesh->side[2 * edge].length, a = gd__edge_parameter(mesh, edge, &s->point),
-           b = gd__edge_parameter(mesh, edge, &s->end);
-    struct gd__window w = {.b0 = fmin(a, b), .b1 = fmax(a, b), .y = 1, .sigma = s->offset};
-    w.source = linear_source(front, seed);
-    struct gd__window mirrored = gd__window_mirrored(&w, length);
-    if (!gd__side_is_boundary(mesh, 2 * edge)) seed_side(front, 2 * edge, &w);
-    if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
-}
-
-/* Out of the segment's face across side k: the part of the edge that lies at right angles to the chord. */
-static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, const struct gd__chord *chord)
-{
-    double length = front->mesh->side[side].length, away = fabs(chord->along.x);
-    if (away <= GD_TOL_GRAZING) return;
-    double slope = chord->along.y / chord->along.x, turned = chord->along.x < 0 ? -1 : 1;
-    double ends[2];
-    for (int i = 0; i < 2; i++) {
-        double x = chord->from.x + i * chord->length * chord->along.x,
-               y = chord->from.y + i * chord->length * chord->along.y;
-        ends[i] = length - (x + y * slope);
-    }
-    struct gd__window w = {.b0 = fmax(fmin(ends[0], ends[1]), 0),
-                           .b1 = fmin(fmax(ends[0], ends[1]), length),
-                           .x = turned * chord->along.y,
-                           .y = away,
-                           .source = linear_source(front, seed)};
-    w.sigma = front->seeds[seed].offset + away * (chord->from.y + (length - chord->from.x) * slope);
-    if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
-}
-
-/* A segment's end is a seed of its own: up to rounding the segment is as near, and must not come before it. */
-static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
-{
-    const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};
-    for (int i = 0; i < 2; i++)
-        if (ends[i]->kind == GD_POINT_VERTEX && ends[i]->element == vertex) return true;
-    return false;
-}
-
-/* Straight to the apex of `side`, where its perpendicular meets the chord. */
-static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
-                                 const struct gd__chord *chord)
-{
-    const struct gd_side *s = &front->mesh->side[side];
-    struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
-    double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = height > 0 ? 1 : -1;
-    if (!(foot > 0 && foot < chord->length) || height == 0 || is_end(front, seed, gd__side_apex(front->mesh, side)))
-        return;
-    struct gd__birth birth = {
-        .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
-    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);
-}
-
-static void seed_segment(struct gd__wavefront *front, uint32_t seed)
-{
-    const struct gd__seed *s = &front->seeds[seed];
-    struct gd__home home;
-    if (!gd__segment_home(front->mesh, &s->point, &s->end, &home)) {
-        front->status = GD_INVALID_ARGUMENT;
-        return;
-    }
-    if (home.edge != GD_NONE) {
-        seed_along_edge(front, seed, home.edge);
-        return;
-    }
-    struct gd__chord chord[3];
-    const uint32_t *side = front->mesh->face_side[home.face];
-    for (int k = 0; k < 3; k++) chord[k] = gd__chord(front->mesh, home.face, k, &s->point, &s->end);
-    for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &chord[k]);
-    for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &chord[k]);
-}
-
-void gd__emit_seeds(struct gd__wavefront *front)
-{
-    for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
-        if (front->seeds[i].is_segment) {
-            seed_segment(front, i);
-            continue;
-        }
-        if (front->domain) front->domain->is_common = front->seeds[i].point.kind != GD_POINT_VERTEX;
-        switch (front->seeds[i].point.kind) {
-        case GD_POINT_VERTEX:
-            seed_vertex(front, i);
-            break;
-        case GD_POINT_EDGE:
-            seed_edge(front, i);
-            break;
-        case GD_POINT_FACE:
-            seed_face(front, i);
-            break;
-        }
-    }
-    if (front->domain) front->domain->is_common = false;
 }

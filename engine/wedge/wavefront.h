@@ -170,7 +170,10 @@ static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefr
 /* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *windows);
 
-/* emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
+/* The same of one window. */
+void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window);
+
+/* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
 

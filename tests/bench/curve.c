@@ -51,7 +51,7 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     gd_curve_seeds(&curve, 0, seeds);
     for (uint32_t i = 0; i < runs; i++) {
         seeding[i] = build(mesh, seeds, count, least) -
-                     build(mesh, seeds, 1, least); /* what a field takes anyway is none of it */
+                     build(mesh, seeds, 1, least); /* what a field takes anyway is none of it; the first sides are */
         whole[i] = build(mesh, seeds, count, 0);
         point[i] = build(mesh, seeds, 1, 0);
     }

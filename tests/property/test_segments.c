@@ -10,7 +10,9 @@
 #include "gd/cpu.h"
 #include "gd/field.h"
 #include "gd/io.h"
+#include "gd/locate.h"
 #include "gd/query.h"
+#include "gd/trace.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 #include "tests/samples/samples.h"
@@ -180,6 +182,18 @@ static void put_random_segments(const struct gd_mesh *mesh, const struct gd_poly
     }
 }
 
+/* A chain of shortest paths between random points, bent where they meet. */
+static void put_random_chain(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count, struct rng *rng)
+{
+    struct gd_point from = test_point(mesh, test_random_place(polygons, rng));
+    for (int i = 0; i < count; i++) {
+        struct gd_point to = test_point(mesh, test_random_place(polygons, rng));
+        if (curve.count) curve.count--; /* the last point is the next path's first */
+        put_geodesic(mesh, from, to);
+        from = to;
+    }
+}
+
 /* A few segments on small random surfaces: boundaries, saddles, slivers. */
 static void random_segments(void **state)
 {
@@ -191,7 +205,10 @@ static void random_segments(void **state)
         check_ok(sample_tangle(40 + 4 * i, i, &polygons), NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         curve.count = 0;
-        put_random_segments(mesh, &polygons, 1 + (int)i % 4, &rng);
+        if (i % 3 == 2)
+            put_random_chain(mesh, &polygons, 1 + (int)i % 5, &rng);
+        else
+            put_random_segments(mesh, &polygons, 1 + (int)i % 4, &rng);
         if (curve.count) worst = fmax(worst, check_against_points(mesh, &polygons, 5, &rng));
         gd_mesh_release(mesh);
         gd_polygons_free(&polygons);
@@ -261,6 +278,76 @@ static void planes(void **state)
     }
 }
 
+static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
+{
+    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
+    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
+    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
+}
+
+static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 place)
+{
+    struct gd_point point;
+    check_ok(gd_locate_nearest(mesh, place, -1, &point, NULL, NULL), NULL);
+    return point;
+}
+
+/* Along the line from a joint at right angles to what it joins: there the linear wedges of both segments end. bend[]: the ends and the corner of the
+ * curve. */
+static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *field, const struct gd_point *joint,
+                             struct gd_vec3 across, const struct gd_vec3 bend[3])
+{
+    struct gd_direction ahead;
+    struct gd_trace trace;
+    check_ok(gd_direction_along(mesh, joint, across, &ahead, NULL), NULL);
+    check_ok(gd_trace_follow(mesh, joint, &ahead, 0.4, NULL, NULL, &trace, NULL), NULL);
+    double worst = 0;
+    for (uint32_t i = 1; i < trace.path.count; i++) {
+        struct gd_vec3 place = gd_point_position(mesh, &trace.path.points[i]);
+        double expected = fmin(to_segment(place, bend[0], bend[1]), to_segment(place, bend[1], bend[2]));
+        double error = fabs(distance_at(field, &trace.path.points[i]) - expected) / expected;
+        worst = fmax(worst, error);
+    }
+    gd_trace_free(&trace);
+    assert_true(worst <= 1e-11);
+    return worst;
+}
+
+/* Straight lines, and lines with a corner of 3e-4 to 3e-12, over the joints of a plane's edges. */
+static void joints(void **state)
+{
+    (void)state;
+    static const double corners[] = {0, 3e-4, 3e-8, 3e-12};
+    struct rng rng = {12};
+    double worst = 0;
+    struct gd_polygons polygons;
+    check_ok(sample_grid(19, 17, 3, 2, &polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(&polygons);
+    for (int i = 0; i < 80; i++) {
+        double angle = 6 * rng_unit(&rng), turned = angle + corners[i % 4];
+        struct gd_vec3 middle = {1 + rng_unit(&rng), 0.7 + 0.6 * rng_unit(&rng), 0},
+                       along = {cos(angle), sin(angle), 0};
+        struct gd_point bend[3] = {
+            point_near(mesh, gd_vec3_along(middle, -0.5, along)), point_near(mesh, middle),
+            point_near(mesh, gd_vec3_along(middle, 0.5, (struct gd_vec3){cos(turned), sin(turned), 0}))};
+        struct gd_vec3 place[3];
+        for (int k = 0; k < 3; k++) place[k] = gd_point_position(mesh, &bend[k]);
+        curve.count = 0;
+        put_geodesic(mesh, bend[0], bend[1]);
+        curve.count--;
+        put_geodesic(mesh, bend[1], bend[2]);
+        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        for (uint32_t k = 2; k + 2 < curve.count; k += 2)
+            for (int side = -1; side <= 1; side += 2)
+                worst = fmax(worst, check_opposite(mesh, field, &curve.seeds[k].point,
+                                                   (struct gd_vec3){-side * along.y, side * along.x, 0}, place));
+        gd_field_release(field);
+    }
+    print_message("# worst relative error %.1e\n", worst);
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
 /* A segment whose ends lie in no common face is refused. */
 static void what_is_no_segment(void **state)
 {
@@ -322,8 +409,11 @@ static void geodesics_on_shared_meshes(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(planes), cmocka_unit_test(random_segments),
-                                       cmocka_unit_test(kernels_agree), cmocka_unit_test(what_is_no_segment),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(planes),
+                                       cmocka_unit_test(joints),
+                                       cmocka_unit_test(random_segments),
+                                       cmocka_unit_test(kernels_agree),
+                                       cmocka_unit_test(what_is_no_segment),
                                        cmocka_unit_test(geodesics_on_shared_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

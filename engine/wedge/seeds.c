@@ -1,0 +1,286 @@
+#include "mesh/segment.h"
+#include "wedge/wavefront.h"
+
+/* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
+ * behind it at right angles. A joint, where segments of a curve end, sees only what lies behind the ends of all of them: in any other direction a
+ * place of one of them is nearer (first variation of length). */
+
+/* The segments that end at a point, which stand next to it in the list of seeds (gd_curve_seeds). */
+struct joint {
+    const struct gd_point *point, *end[2]; /* the segments' other ends */
+    int count;
+};
+
+static struct joint joint_of(const struct gd__wavefront *front, uint32_t seed)
+{
+    const struct gd__seed *at = &front->seeds[seed];
+    struct joint joint = {.point = &at->point};
+    for (int after = 0; after < 2; after++) {
+        if (after ? seed + 1 >= front->seed_count : !seed) continue;
+        const struct gd__seed *s = after ? at + 1 : at - 1;
+        if (!s->is_segment || s->offset != at->offset) continue;
+        if (gd_point_equal(&s->point, &at->point))
+            joint.end[joint.count++] = &s->end;
+        else if (gd_point_equal(&s->end, &at->point))
+            joint.end[joint.count++] = &s->point;
+    }
+    return joint;
+}
+
+/* A part of a side, in parts of its length from its origin. */
+struct part {
+    double from, to;
+};
+
+/* What of the side from `origin` to `destination` lies behind a joint at `at`, whose segment goes off along `along`. */
+static void keep_behind(struct part *part, struct gd__local at, struct gd__local along, struct gd__local origin,
+                        struct gd__local destination)
+{
+    double first = (origin.x - at.x) * along.x + (origin.y - at.y) * along.y,
+           last = (destination.x - at.x) * along.x + (destination.y - at.y) * along.y;
+    if (first <= 0 && last <= 0) return;
+    double crossing = first > 0 && last > 0 ? 1 : first / (first - last);
+    if (first > 0)
+        part->from = fmax(part->from, crossing);
+    else
+        part->to = fmin(part->to, crossing);
+}
+
+/* Offers a side a seed's window. */
+static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    struct gd__receiver to = gd__wavefront_receiver(front, side);
+    gd__wavefront_offer(front, &to, window);
+}
+
+/* Sends the seed's window out of its face across a part of `side` (a side of that face). */
+static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at,
+                        struct part part)
+{
+    double length = front->mesh->side[side].length;
+    if (part.to - part.from <= GD_TOL_WIDTH || gd__window_grazes(length - at.x, at.y, length)) return;
+    struct gd__window window = {.b0 = part.to < 1 ? length * (1 - part.to) : 0,
+                                .b1 = part.from > 0 ? length * (1 - part.from) : length,
+                                .x = length - at.x,
+                                .y = at.y,
+                                .sigma = front->seeds[seed].offset,
+                                .source = front->mesh->vertex_count + seed};
+    seed_side(front, side ^ 1, &window);
+}
+
+/* Straight to the apex of `side`, a side of the seed's face. */
+static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
+{
+    const struct gd_side *s = &front->mesh->side[side];
+    double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
+    struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
+    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + sqrt(dx * dx + dy * dy),
+                        birth);
+}
+
+static void seed_face(struct gd__wavefront *front, uint32_t seed)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    const struct gd_point *point = &front->seeds[seed].point;
+    const uint32_t *sides = mesh->face_side[point->element];
+    const struct joint joint = joint_of(front, seed);
+    struct gd__local at[3];
+    for (int k = 0; k < 3; k++) {
+        at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
+        seed_apex(front, seed, sides[k], at[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        struct gd__local destination = {mesh->side[sides[k]].length, 0};
+        struct part part = {0, 1};
+        for (int i = 0; i < joint.count; i++)
+            keep_behind(&part, at[k], gd__chord(mesh, point->element, k, point, joint.end[i]).along,
+                        (struct gd__local){0, 0}, destination);
+        seed_across(front, seed, sides[k], at[k], part);
+    }
+}
+
+/* Where the segments of a joint on an edge go off, in the frame of one side of it: the face across is laid beside its own. */
+struct spread {
+    struct gd__local along[2];
+    int count;
+};
+
+static struct gd__local direction_from_edge(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point,
+                                            const struct gd_point *end)
+{
+    struct gd__home home;
+    if (!gd__segment_home(mesh, point, end, &home)) return (struct gd__local){0, 0};
+    if (home.edge != GD_NONE) {
+        double x = gd__edge_parameter(mesh, home.edge, end) - gd__edge_parameter(mesh, home.edge, point);
+        return (struct gd__local){copysign(1, side & 1 ? -x : x), 0};
+    }
+    int k = 0;
+    while (mesh->face_side[home.face][k] >> 1 != side >> 1) k++;
+    struct gd__local along = gd__chord(mesh, home.face, k, point, end).along;
+    return mesh->face_side[home.face][k] == side ? along : (struct gd__local){-along.x, -along.y};
+}
+
+static struct spread spread_from_edge(const struct gd__wavefront *front, uint32_t seed, uint32_t side)
+{
+    struct joint joint = joint_of(front, seed);
+    struct spread spread = {.count = joint.count};
+    for (int i = 0; i < joint.count; i++)
+        spread.along[i] = direction_from_edge(front->mesh, side, joint.point, joint.end[i]);
+    return spread;
+}
+
+static struct spread seen_from_other_side(struct spread spread)
+{
+    for (int i = 0; i < spread.count; i++) spread.along[i] = (struct gd__local){-spread.along[i].x, -spread.along[i].y};
+    return spread;
+}
+
+/* From a point of an edge into the face of one of its sides: the apex and the two other sides. */
+static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t, struct spread spread)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    if (gd__side_is_boundary(mesh, side)) return;
+    const struct gd_side *s = &mesh->side[side];
+    struct gd__local at = {t, 0}, origin = {0, 0}, destination = {s->length, 0},
+                     apex = {s->left_length * s->left_x, s->left_length * s->left_y};
+    struct part right = {0, 1}, left = {0, 1};
+    seed_apex(front, seed, side, at);
+    for (int i = 0; i < spread.count; i++) {
+        keep_behind(&right, at, spread.along[i], destination, apex);
+        keep_behind(&left, at, spread.along[i], apex, origin);
+    }
+    double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination, apex */
+    uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
+    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u), right);
+    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u), left);
+}
+
+static void seed_edge(struct gd__wavefront *front, uint32_t seed)
+{
+    const struct gd_mesh *mesh = front->mesh;
+    const struct gd_point *point = &front->seeds[seed].point;
+    uint32_t side = 2 * point->element;
+    double length = mesh->side[side].length, t = point->weight[0] * length, offset = front->seeds[seed].offset;
+    struct gd__birth birth = {.side = GD_NONE, .source = mesh->vertex_count + seed};
+    const struct spread spread = spread_from_edge(front, seed, side);
+    gd__wavefront_reach(front, mesh->origin[side], offset + t, birth);
+    gd__wavefront_reach(front, mesh->origin[side ^ 1], offset + (length - t), birth);
+    seed_half_edge(front, seed, side, t, spread);
+    seed_half_edge(front, seed, side ^ 1, length - t, seen_from_other_side(spread));
+}
+
+/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */
+static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
+{
+    uint32_t vertex = front->seeds[seed].point.element;
+    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
+    gd__wavefront_reach(front, vertex, front->seeds[seed].offset, birth);
+    if (front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
+}
+
+/* --- segments ------------------------------------------------------------------------------------------------------------ */
+
+static uint32_t linear_source(const struct gd__wavefront *front, uint32_t seed)
+{
+    return GD__SOURCE_LINEAR | (front->mesh->vertex_count + seed);
+}
+
+/* A segment along an edge goes off to both of its sides. */
+static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t edge)
+{
+    const struct gd__seed *s = &front->seeds[seed];
+    const struct gd_mesh *mesh = front->mesh;
+    double length = mesh->side[2 * edge].length, a = gd__edge_parameter(mesh, edge, &s->point),
+           b = gd__edge_parameter(mesh, edge, &s->end);
+    struct gd__window w = {.b0 = fmin(a, b), .b1 = fmax(a, b), .y = 1, .sigma = s->offset};
+    w.source = linear_source(front, seed);
+    struct gd__window mirrored = gd__window_mirrored(&w, length);
+    if (!gd__side_is_boundary(mesh, 2 * edge)) seed_side(front, 2 * edge, &w);
+    if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
+}
+
+/* Out of the segment's face across side k: the part of the edge that lies at right angles to the chord. */
+static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, const struct gd__chord *chord)
+{
+    double length = front->mesh->side[side].length, away = fabs(chord->along.x);
+    if (away <= GD_TOL_GRAZING) return;
+    double slope = chord->along.y / chord->along.x, turned = chord->along.x < 0 ? -1 : 1;
+    double ends[2];
+    for (int i = 0; i < 2; i++) {
+        double x = chord->from.x + i * chord->length * chord->along.x,
+               y = chord->from.y + i * chord->length * chord->along.y;
+        ends[i] = length - (x + y * slope);
+    }
+    struct gd__window w = {.b0 = fmax(fmin(ends[0], ends[1]), 0),
+                           .b1 = fmin(fmax(ends[0], ends[1]), length),
+                           .x = turned * chord->along.y,
+                           .y = away,
+                           .source = linear_source(front, seed)};
+    w.sigma = front->seeds[seed].offset + away * (chord->from.y + (length - chord->from.x) * slope);
+    if (w.b1 - w.b0 > GD_TOL_WIDTH * length) seed_side(front, side ^ 1, &w);
+}
+
+/* A segment's end is a seed of its own: up to rounding the segment is as near, and must not come before it. */
+static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t vertex)
+{
+    const struct gd_point *ends[2] = {&front->seeds[seed].point, &front->seeds[seed].end};
+    for (int i = 0; i < 2; i++)
+        if (ends[i]->kind == GD_POINT_VERTEX && ends[i]->element == vertex) return true;
+    return false;
+}
+
+/* Straight to the apex of `side`, where its perpendicular meets the chord. */
+static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
+                                 const struct gd__chord *chord)
+{
+    const struct gd_side *s = &front->mesh->side[side];
+    struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
+    double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = height > 0 ? 1 : -1;
+    if (!(foot > 0 && foot < chord->length) || height == 0 || is_end(front, seed, gd__side_apex(front->mesh, side)))
+        return;
+    struct gd__birth birth = {
+        .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
+    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);
+}
+
+static void seed_segment(struct gd__wavefront *front, uint32_t seed)
+{
+    const struct gd__seed *s = &front->seeds[seed];
+    struct gd__home home;
+    if (!gd__segment_home(front->mesh, &s->point, &s->end, &home)) {
+        front->status = GD_INVALID_ARGUMENT;
+        return;
+    }
+    if (home.edge != GD_NONE) {
+        seed_along_edge(front, seed, home.edge);
+        return;
+    }
+    struct gd__chord chord[3];
+    const uint32_t *side = front->mesh->face_side[home.face];
+    for (int k = 0; k < 3; k++) chord[k] = gd__chord(front->mesh, home.face, k, &s->point, &s->end);
+    for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &chord[k]);
+    for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &chord[k]);
+}
+
+void gd__emit_seeds(struct gd__wavefront *front)
+{
+    for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
+        if (front->seeds[i].is_segment) {
+            seed_segment(front, i);
+            continue;
+        }
+        if (front->domain) front->domain->is_common = front->seeds[i].point.kind != GD_POINT_VERTEX;
+        switch (front->seeds[i].point.kind) {
+        case GD_POINT_VERTEX:
+            seed_vertex(front, i);
+            break;
+        case GD_POINT_EDGE:
+            seed_edge(front, i);
+            break;
+        case GD_POINT_FACE:
+            seed_face(front, i);
+            break;
+        }
+    }
+    if (front->domain) front->domain->is_common = false;
+}
