@@ -68,17 +68,31 @@ double gd__edge_parameter(const struct gd_mesh *mesh, uint32_t edge, const struc
     return mesh->origin[2 * edge] == point->element ? 0 : length;
 }
 
+static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face, int k, const double from[3],
+                                       const double to[3])
+{
+    const struct gd_side *side = &mesh->side[mesh->face_side[face][k]];
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    struct gd__local span = gd__side_local(side, to[l] - from[l], to[m] - from[m]);
+    double length = sqrt(span.x * span.x + span.y * span.y);
+    return (struct gd__chord){
+        .from = gd__side_local(side, from[l], from[m]), .along = {span.x / length, span.y / length}, .length = length};
+}
+
 struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,
                            const struct gd_point *b)
 {
     double from[3], to[3];
-    uint32_t side = mesh->face_side[face][k];
     gd__point_weights(mesh, a, face, from);
     gd__point_weights(mesh, b, face, to);
-    int l = (k + 1) % 3, m = (k + 2) % 3;
-    struct gd__local span = gd__side_local(&mesh->side[side], to[l] - from[l], to[m] - from[m]);
-    double length = sqrt(span.x * span.x + span.y * span.y);
-    return (struct gd__chord){.from = gd__side_local(&mesh->side[side], from[l], from[m]),
-                              .along = {span.x / length, span.y / length},
-                              .length = length};
+    return chord_in_frame(mesh, face, k, from, to);
+}
+
+void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a, const struct gd_point *b,
+                struct gd__chord out[3])
+{
+    double from[3], to[3];
+    gd__point_weights(mesh, a, face, from);
+    gd__point_weights(mesh, b, face, to);
+    for (int k = 0; k < 3; k++) out[k] = chord_in_frame(mesh, face, k, from, to);
 }

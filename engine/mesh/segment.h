@@ -32,6 +32,10 @@ struct gd__chord {
 struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,
                            const struct gd_point *b);
 
+/* The same in the frames of all three sides. */
+void gd__chords(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a, const struct gd_point *b,
+                struct gd__chord out[3]);
+
 /* How far along the chord the foot of a place's perpendicular lies. */
 static inline double gd__chord_foot(const struct gd__chord *chord, struct gd__local at)
 {

@@ -5,24 +5,56 @@
  * behind it at right angles. A joint, where segments of a curve end, sees only what lies behind the ends of all of them: in any other direction a
  * place of one of them is nearer (first variation of length). */
 
+/* --- joints -------------------------------------------------------------------------------------------------------------- */
+
+/* A segment as it lies on the surface. */
+struct laid {
+    uint32_t seed; /* GD_NONE: none yet */
+    struct gd__home home;
+    struct gd__chord chord[3]; /* across a face: in the frames of its sides */
+};
+
+/* The two segments laid last: a segment of a curve is asked for three times in a row, by itself and by its ends. */
+struct laying {
+    struct laid last[2];
+};
+
+static const struct laid *lay(const struct gd__wavefront *front, struct laying *laying, uint32_t seed)
+{
+    struct laid *laid = &laying->last[seed / 2 % 2];
+    const struct gd__seed *s = &front->seeds[seed];
+    if (laid->seed == seed) return laid;
+    laid->seed = seed;
+    laid->home = (struct gd__home){GD_NONE, GD_NONE};
+    if (gd__segment_home(front->mesh, &s->point, &s->end, &laid->home) && laid->home.face != GD_NONE)
+        gd__chords(front->mesh, laid->home.face, &s->point, &s->end, laid->chord);
+    return laid;
+}
+
+static bool is_laid(const struct laid *laid)
+{
+    return laid->home.edge != GD_NONE || laid->home.face != GD_NONE;
+}
+
 /* The segments that end at a point, which stand next to it in the list of seeds (gd_curve_seeds). */
 struct joint {
-    const struct gd_point *point, *end[2]; /* the segments' other ends */
+    const struct laid *segment[2];
+    double turned[2]; /* 1: the segment goes off from here, -1: it comes here */
     int count;
 };
 
-static struct joint joint_of(const struct gd__wavefront *front, uint32_t seed)
+static struct joint joint_of(const struct gd__wavefront *front, struct laying *laying, uint32_t seed)
 {
     const struct gd__seed *at = &front->seeds[seed];
-    struct joint joint = {.point = &at->point};
-    for (int after = 0; after < 2; after++) {
-        if (after ? seed + 1 >= front->seed_count : !seed) continue;
-        const struct gd__seed *s = after ? at + 1 : at - 1;
+    struct joint joint = {.count = 0};
+    for (uint32_t i = seed ? seed - 1 : 1; i <= seed + 1 && i < front->seed_count; i += 2) {
+        const struct gd__seed *s = &front->seeds[i];
         if (!s->is_segment || s->offset != at->offset) continue;
-        if (gd_point_equal(&s->point, &at->point))
-            joint.end[joint.count++] = &s->end;
-        else if (gd_point_equal(&s->end, &at->point))
-            joint.end[joint.count++] = &s->point;
+        bool goes = gd_point_equal(&s->point, &at->point);
+        if (!goes && !gd_point_equal(&s->end, &at->point)) continue;
+        joint.turned[joint.count] = goes ? 1 : -1;
+        joint.segment[joint.count] = lay(front, laying, i);
+        joint.count += is_laid(joint.segment[joint.count]);
     }
     return joint;
 }
@@ -31,6 +63,11 @@ static struct joint joint_of(const struct gd__wavefront *front, uint32_t seed)
 struct part {
     double from, to;
 };
+
+static struct gd__local turned(struct gd__local along, double by)
+{
+    return (struct gd__local){by * along.x, by * along.y};
+}
 
 /* What of the side from `origin` to `destination` lies behind a joint at `at`, whose segment goes off along `along`. */
 static void keep_behind(struct part *part, struct gd__local at, struct gd__local along, struct gd__local origin,
@@ -45,6 +82,8 @@ static void keep_behind(struct part *part, struct gd__local at, struct gd__local
     else
         part->to = fmin(part->to, crossing);
 }
+
+/* --- points -------------------------------------------------------------------------------------------------------------- */
 
 /* Offers a side a seed's window. */
 static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
@@ -78,23 +117,22 @@ static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                         birth);
 }
 
-static void seed_face(struct gd__wavefront *front, uint32_t seed)
+static void seed_face(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     const uint32_t *sides = mesh->face_side[point->element];
-    const struct joint joint = joint_of(front, seed);
+    const struct joint joint = joint_of(front, laying, seed);
     struct gd__local at[3];
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
         seed_apex(front, seed, sides[k], at[k]);
     }
     for (int k = 0; k < 3; k++) {
-        struct gd__local destination = {mesh->side[sides[k]].length, 0};
+        struct gd__local origin = {0, 0}, destination = {mesh->side[sides[k]].length, 0};
         struct part part = {0, 1};
         for (int i = 0; i < joint.count; i++)
-            keep_behind(&part, at[k], gd__chord(mesh, point->element, k, point, joint.end[i]).along,
-                        (struct gd__local){0, 0}, destination);
+            keep_behind(&part, at[k], turned(joint.segment[i]->chord[k].along, joint.turned[i]), origin, destination);
         seed_across(front, seed, sides[k], at[k], part);
     }
 }
@@ -105,33 +143,33 @@ struct spread {
     int count;
 };
 
-static struct gd__local direction_from_edge(const struct gd_mesh *mesh, uint32_t side, const struct gd_point *point,
-                                            const struct gd_point *end)
+static struct gd__local direction_from_edge(const struct gd__wavefront *front, uint32_t side, const struct laid *laid)
 {
-    struct gd__home home;
-    if (!gd__segment_home(mesh, point, end, &home)) return (struct gd__local){0, 0};
-    if (home.edge != GD_NONE) {
-        double x = gd__edge_parameter(mesh, home.edge, end) - gd__edge_parameter(mesh, home.edge, point);
+    const struct gd_mesh *mesh = front->mesh;
+    const struct gd__seed *s = &front->seeds[laid->seed];
+    if (laid->home.edge != GD_NONE) {
+        uint32_t edge = laid->home.edge;
+        double x = gd__edge_parameter(mesh, edge, &s->end) - gd__edge_parameter(mesh, edge, &s->point);
         return (struct gd__local){copysign(1, side & 1 ? -x : x), 0};
     }
-    int k = 0;
-    while (mesh->face_side[home.face][k] >> 1 != side >> 1) k++;
-    struct gd__local along = gd__chord(mesh, home.face, k, point, end).along;
-    return mesh->face_side[home.face][k] == side ? along : (struct gd__local){-along.x, -along.y};
+    const uint32_t *sides = mesh->face_side[laid->home.face];
+    int k = sides[0] >> 1 == side >> 1 ? 0 : sides[1] >> 1 == side >> 1 ? 1 : 2;
+    return turned(laid->chord[k].along, sides[k] == side ? 1 : -1);
 }
 
-static struct spread spread_from_edge(const struct gd__wavefront *front, uint32_t seed, uint32_t side)
+static struct spread spread_from_edge(const struct gd__wavefront *front, struct laying *laying, uint32_t seed,
+                                      uint32_t side)
 {
-    struct joint joint = joint_of(front, seed);
+    const struct joint joint = joint_of(front, laying, seed);
     struct spread spread = {.count = joint.count};
     for (int i = 0; i < joint.count; i++)
-        spread.along[i] = direction_from_edge(front->mesh, side, joint.point, joint.end[i]);
+        spread.along[i] = turned(direction_from_edge(front, side, joint.segment[i]), joint.turned[i]);
     return spread;
 }
 
 static struct spread seen_from_other_side(struct spread spread)
 {
-    for (int i = 0; i < spread.count; i++) spread.along[i] = (struct gd__local){-spread.along[i].x, -spread.along[i].y};
+    for (int i = 0; i < spread.count; i++) spread.along[i] = turned(spread.along[i], -1);
     return spread;
 }
 
@@ -155,14 +193,14 @@ static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t 
     seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u), left);
 }
 
-static void seed_edge(struct gd__wavefront *front, uint32_t seed)
+static void seed_edge(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     uint32_t side = 2 * point->element;
     double length = mesh->side[side].length, t = point->weight[0] * length, offset = front->seeds[seed].offset;
     struct gd__birth birth = {.side = GD_NONE, .source = mesh->vertex_count + seed};
-    const struct spread spread = spread_from_edge(front, seed, side);
+    const struct spread spread = spread_from_edge(front, laying, seed, side);
     gd__wavefront_reach(front, mesh->origin[side], offset + t, birth);
     gd__wavefront_reach(front, mesh->origin[side ^ 1], offset + (length - t), birth);
     seed_half_edge(front, seed, side, t, spread);
@@ -175,7 +213,7 @@ static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
     uint32_t vertex = front->seeds[seed].point.element;
     struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
     gd__wavefront_reach(front, vertex, front->seeds[seed].offset, birth);
-    if (front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
+    if (!front->status && front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
 }
 
 /* --- segments ------------------------------------------------------------------------------------------------------------ */
@@ -243,44 +281,46 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);
 }
 
-static void seed_segment(struct gd__wavefront *front, uint32_t seed)
+static void seed_segment(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
 {
-    const struct gd__seed *s = &front->seeds[seed];
-    struct gd__home home;
-    if (!gd__segment_home(front->mesh, &s->point, &s->end, &home)) {
+    const struct laid *laid = lay(front, laying, seed);
+    if (laid->home.edge != GD_NONE) {
+        seed_along_edge(front, seed, laid->home.edge);
+    } else if (laid->home.face != GD_NONE) {
+        const uint32_t *side = front->mesh->face_side[laid->home.face];
+        for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &laid->chord[k]);
+        for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &laid->chord[k]);
+    } else {
         front->status = GD_INVALID_ARGUMENT;
+    }
+}
+
+/* --- all ----------------------------------------------------------------------------------------------------------------- */
+
+static void emit_seed(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
+{
+    if (front->seeds[seed].is_segment) {
+        seed_segment(front, laying, seed);
         return;
     }
-    if (home.edge != GD_NONE) {
-        seed_along_edge(front, seed, home.edge);
-        return;
+    if (front->domain) front->domain->is_common = front->seeds[seed].point.kind != GD_POINT_VERTEX;
+    switch (front->seeds[seed].point.kind) {
+    case GD_POINT_VERTEX:
+        seed_vertex(front, seed);
+        break;
+    case GD_POINT_EDGE:
+        seed_edge(front, laying, seed);
+        break;
+    case GD_POINT_FACE:
+        seed_face(front, laying, seed);
+        break;
     }
-    struct gd__chord chord[3];
-    const uint32_t *side = front->mesh->face_side[home.face];
-    for (int k = 0; k < 3; k++) chord[k] = gd__chord(front->mesh, home.face, k, &s->point, &s->end);
-    for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &chord[k]);
-    for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &chord[k]);
 }
 
 void gd__emit_seeds(struct gd__wavefront *front)
 {
-    for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
-        if (front->seeds[i].is_segment) {
-            seed_segment(front, i);
-            continue;
-        }
-        if (front->domain) front->domain->is_common = front->seeds[i].point.kind != GD_POINT_VERTEX;
-        switch (front->seeds[i].point.kind) {
-        case GD_POINT_VERTEX:
-            seed_vertex(front, i);
-            break;
-        case GD_POINT_EDGE:
-            seed_edge(front, i);
-            break;
-        case GD_POINT_FACE:
-            seed_face(front, i);
-            break;
-        }
-    }
+    struct laying laying;
+    for (int i = 0; i < 2; i++) laying.last[i].seed = GD_NONE;
+    for (uint32_t i = 0; i < front->seed_count && !front->status; i++) emit_seed(front, &laying, i);
     if (front->domain) front->domain->is_common = false;
 }
