@@ -5,6 +5,7 @@
 #include <string.h>
 
 #define METHOD_MOST     32
+#define NAME_MOST       256
 #define VERSION_BYTES   8
 #define SIZE_DIGITS     16
 #define EXTENSION_BYTES 1024 /* of all chunks of a request */
@@ -50,8 +51,22 @@ static bool is_token(unsigned char byte)
 static const char *enter(struct server_grammar *grammar, enum server_grammar_state state)
 {
     grammar->state = state;
+    grammar->head += grammar->count;
     grammar->count = 0;
     return NULL;
+}
+
+#define QUOTE_(number) #number
+#define QUOTE(number)  QUOTE_(number)
+
+/* Of what has no end of its own. */
+static const char *find_excess(const struct server_grammar *grammar)
+{
+    if (grammar->state == SERVER_GRAMMAR_TARGET && grammar->count > SERVER_GRAMMAR_TARGET_MOST)
+        return "the request target has more than " QUOTE(SERVER_GRAMMAR_TARGET_MOST) " bytes; POST takes a body";
+    return grammar->head + grammar->count > SERVER_GRAMMAR_HEAD_MOST
+               ? "the request line and the headers have more than " QUOTE(SERVER_GRAMMAR_HEAD_MOST) " bytes"
+               : NULL;
 }
 
 /* Keeps the byte of a name or a value, in lower case, if there is room; a cut word ends differently from any that counts. */
@@ -72,10 +87,11 @@ static const char *start(struct server_grammar *grammar, unsigned char byte)
     }
     if (!is_token(byte)) return "a request begins with a method";
     grammar->is_http10 = grammar->has_length = grammar->is_chunked = grammar->in_trailer = false;
-    grammar->hosts = grammar->extra = 0;
+    grammar->hosts = grammar->extra = grammar->headers = 0;
     grammar->left = 0;
     enter(grammar, SERVER_GRAMMAR_METHOD);
     grammar->count = 1;
+    grammar->head = 0;
     return NULL;
 }
 
@@ -98,7 +114,7 @@ static const char *target(struct server_grammar *grammar, unsigned char byte)
     if (!(classes[byte] & IN_TARGET))
         return "the request target holds a byte that has to be percent-encoded, or two blanks stand around it";
     grammar->count++;
-    return NULL;
+    return find_excess(grammar);
 }
 
 static const char *version(struct server_grammar *grammar, unsigned char byte)
@@ -127,6 +143,8 @@ static const char *field(struct server_grammar *grammar, unsigned char byte)
     if (byte == '\r') return enter(grammar, SERVER_GRAMMAR_END_LF);
     if (byte == ' ' || byte == '\t') return "a header is folded, or the first one begins with a blank";
     if (!is_token(byte)) return "a header line begins with no name";
+    if (grammar->headers++ == SERVER_GRAMMAR_HEADERS_MOST)
+        return "the request has more than " QUOTE(SERVER_GRAMMAR_HEADERS_MOST) " headers";
     enter(grammar, SERVER_GRAMMAR_NAME);
     keep(grammar->name, grammar->count++, byte);
     return NULL;
@@ -148,7 +166,7 @@ static const char *name(struct server_grammar *grammar, unsigned char byte)
     }
     if (!is_token(byte)) return "the name of a header holds a byte that it can't, or a blank stands before its colon";
     keep(grammar->name, grammar->count++, byte);
-    return NULL;
+    return grammar->count > NAME_MOST ? "the name of a header is too long" : find_excess(grammar);
 }
 
 static const char *take_length(struct server_grammar *grammar)
@@ -195,7 +213,7 @@ static const char *value(struct server_grammar *grammar, unsigned char byte)
     }
     if (!(classes[byte] & IN_VALUE)) return "the value of a header holds a control character";
     if (grammar->count || (byte != ' ' && byte != '\t')) keep(grammar->value, grammar->count++, byte);
-    return NULL;
+    return find_excess(grammar);
 }
 
 static const char *value_lf(struct server_grammar *grammar, unsigned char byte)
@@ -241,6 +259,7 @@ static const char *chunk_size_lf(struct server_grammar *grammar, unsigned char b
     if (byte != '\n') return "a CR stands without its LF";
     if (grammar->left) return enter(grammar, SERVER_GRAMMAR_CHUNK_DATA);
     grammar->in_trailer = true;
+    grammar->head = grammar->headers = 0;
     return enter(grammar, SERVER_GRAMMAR_FIELD);
 }
 
@@ -292,15 +311,17 @@ static size_t skip(struct server_grammar *grammar, size_t size)
     return skipped;
 }
 
-/* Passes over bytes of a target, or of a value that says nothing here, as their steps would; returns how many. */
+/* Passes over bytes of a target, or of a value that says nothing here, as their steps would, up to where those would look for an excess;
+ * returns how many. */
 static size_t run(struct server_grammar *grammar, const char *bytes, size_t size)
 {
-    bool is_other = grammar->header == SERVER_GRAMMAR_OTHER || grammar->header == SERVER_GRAMMAR_HOST;
-    unsigned class = grammar->state == SERVER_GRAMMAR_TARGET              ? IN_TARGET
-                     : grammar->state == SERVER_GRAMMAR_VALUE && is_other ? IN_VALUE
-                                                                          : 0;
-    size_t passed = 0;
-    while (passed < size && classes[(unsigned char)bytes[passed]] & class) passed++;
+    bool is_target = grammar->state == SERVER_GRAMMAR_TARGET, is_value = grammar->state == SERVER_GRAMMAR_VALUE,
+         is_other = grammar->header == SERVER_GRAMMAR_OTHER || grammar->header == SERVER_GRAMMAR_HOST;
+    if (!is_target && !(is_value && is_other)) return 0;
+    unsigned class = is_target ? IN_TARGET : IN_VALUE, before = grammar->count + (is_target ? 0 : grammar->head),
+             most = is_target ? SERVER_GRAMMAR_TARGET_MOST : SERVER_GRAMMAR_HEAD_MOST;
+    size_t passed = 0, room = before < most ? most - before : 0;
+    while (passed < size && passed < room && classes[(unsigned char)bytes[passed]] & class) passed++;
     grammar->count += (unsigned)passed;
     return passed;
 }

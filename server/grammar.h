@@ -12,6 +12,11 @@
 
 #define SERVER_GRAMMAR_WORD 20 /* of the header names and values that count here, with the NUL */
 
+/* What a head may have: less than the library has room for, so that too much of it gets an answer of ours. */
+#define SERVER_GRAMMAR_TARGET_MOST  8192  /* bytes of the target */
+#define SERVER_GRAMMAR_HEAD_MOST    12288 /* bytes of all parts of it, line ends and blanks not counted */
+#define SERVER_GRAMMAR_HEADERS_MOST 64
+
 /* What the next byte belongs to. */
 enum server_grammar_state {
     SERVER_GRAMMAR_START, /* before a request */
@@ -45,6 +50,7 @@ struct server_grammar {
     unsigned hosts;
     uint64_t left;                    /* bytes of the body or chunk; in CHUNK_SIZE the digits so far */
     unsigned count;                   /* bytes of the part at hand: method, target, version, name, value, size */
+    unsigned head, headers;           /* bytes of the parts of this head before that, and its headers so far */
     unsigned extra;                   /* bytes of chunk extensions of this request */
     enum server_grammar_field header; /* in VALUE: whose it is */
     char name[SERVER_GRAMMAR_WORD], value[SERVER_GRAMMAR_WORD]; /* in lower case, cut */

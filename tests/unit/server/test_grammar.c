@@ -205,6 +205,37 @@ static void extensions_have_an_end(void **state)
 }
 
 /* What a fault leaves is completed by the ending to a whole head, or to chunks that are faulty for everybody. */
+/* `count` times the text, after the head so far. */
+static struct server_grammar follow_many(const char *head, const char *text, unsigned count)
+{
+    struct server_grammar grammar = {0};
+    server_grammar_follow(&grammar, head, strlen(head));
+    for (unsigned i = 0; i < count && !grammar.fault; i++) server_grammar_follow(&grammar, text, strlen(text));
+    return grammar;
+}
+
+/* However the bytes come. */
+static void a_head_has_room_for_so_much(void **state)
+{
+    (void)state;
+    assert_null(follow_many("GET ", "a", SERVER_GRAMMAR_TARGET_MOST).fault);
+    assert_non_null(strstr(follow_many("GET ", "a", SERVER_GRAMMAR_TARGET_MOST + 1).fault, "target"));
+    assert_non_null(strstr(follow_many("GET ", "abcdefgh", SERVER_GRAMMAR_TARGET_MOST / 8 + 1).fault, "target"));
+    unsigned before = strlen("GET"
+                             "/"
+                             "HTTP/1.1"
+                             "a"),
+             room = SERVER_GRAMMAR_HEAD_MOST - before;
+    assert_null(follow_many(GET "a:", "b", room).fault);
+    assert_non_null(strstr(follow_many(GET "a:", "b", room + 1).fault, "headers"));
+    assert_non_null(strstr(follow_many(GET "Content-Length: ", "0", SERVER_GRAMMAR_HEAD_MOST).fault, "headers"));
+    assert_null(follow_many(GET, "a: b\r\n", SERVER_GRAMMAR_HEADERS_MOST).fault);
+    assert_non_null(strstr(follow_many(GET, "a: b\r\n", SERVER_GRAMMAR_HEADERS_MOST + 1).fault, "headers"));
+    assert_non_null(follow_many(GET, "a", 257).fault);
+    assert_null(follow_many("", GET HOST "\r\n", 5000).fault);
+    assert_null(follow_many(PUT "Transfer-Encoding: chunked\r\n\r\n", "000000000000001\r\na\r\n", 5000).fault);
+}
+
 static void an_ending_ends(void **state)
 {
     (void)state;
@@ -286,6 +317,7 @@ int main(void)
         cmocka_unit_test(faults_of_heads),
         cmocka_unit_test(faults_of_chunks),
         cmocka_unit_test(extensions_have_an_end),
+        cmocka_unit_test(a_head_has_room_for_so_much),
         cmocka_unit_test(an_ending_ends),
         cmocka_unit_test(damaged_requests),
     };
