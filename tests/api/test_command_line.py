@@ -1,0 +1,86 @@
+"""The command-line client: the scenario, what it prints, and its completion."""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+import scenario
+from harness import SQUARE, TestCase
+
+PROGRAM = scenario.CLIENTS / "cli" / "geodesic"
+
+
+class CommandLine(TestCase):
+    def geodesic(self, *arguments, status=0, **options):
+        environment = {**os.environ, "GEODESICD_URL": "http://" + self.daemon.address}
+        done = subprocess.run([PROGRAM, *map(str, arguments)], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60, **options)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done.stderr if status else done.stdout
+
+    def upload(self, name, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, name)
+            with open(path, "w") as file:
+                file.write(text)
+            return self.geodesic("upload", path)
+
+    def run_step(self, step):
+        status = 1 if "problem" in step else 0
+        if "upload" in step:
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, step["upload"])
+                with open(path, "w") as file:
+                    file.write(step["file"])
+                return self.geodesic("upload", path, "--json", status=status)
+        if "delete" in step:
+            return self.geodesic("delete", step["delete"]) or "null"
+        return self.geodesic("query", "scenario", step["query"], "-", status=status, input=json.dumps(step["body"]))
+
+    def test_scenario(self):
+        for step in scenario.STEPS:
+            with self.subTest(step=step):
+                printed = self.run_step(step)
+                if "problem" in step:
+                    self.assertRegex(printed, r"^geodesic: \w[^{}]*\n$")
+                else:
+                    scenario.check(self, json.loads(printed), step.get("expect"))
+
+    def test_what_it_prints(self):
+        self.assertIn("faces: 2", self.upload("square.obj", SQUARE.decode()))
+        self.assertRegex(self.geodesic("list"), r"name +vertices +faces.*\n(.*\n)*square +4 +2 ")
+        self.assertEqual(self.geodesic("distance", "square", "v:0", "v:2"), "1.4142135623730951\n")
+        self.assertEqual(self.geodesic("distance", "square", "v:1", "v:3", "--via", "v:0"), "2\n")
+        self.assertEqual(self.geodesic("path", "square", "v:0", "v:1"), "0 0 0\n1 0 0\n")
+        self.assertEqual(self.geodesic("path", "square", "v:0", "v:1", "--obj"), "v 0 0 0\nv 1 0 0\nl 1 2\n")
+        self.assertEqual(self.geodesic("field", "square", "v:0", "v:1"), "vertex,distance\n0,0.0\n1,0.0\n2,1.0\n3,1.0\n")
+        self.assertRegex(self.geodesic("matrix", "square", "v:0", "v:1"), r"^ +v:0 +v:1\nv:0 +0.0 +1.0\nv:1 +1.0 +0.0\n$")
+        self.assertIn("vertex: 2", self.geodesic("nearest", "square", "p:2,2,0"))
+        self.assertIn("f 1 2 3", self.geodesic("download", "square"))
+        self.assertIn("state", self.geodesic("jobs"))
+        self.assertEqual(json.loads(self.geodesic("show", "square", "--json"))["faces"], 2)
+
+    def test_mistakes(self):
+        self.upload("square.obj", SQUARE.decode())
+        self.assertIn("there is no vertex 9", self.geodesic("distance", "square", "v:0", "v:9", status=1))
+        self.assertIn("write v:12", self.geodesic("distance", "square", "0", "v:9", status=1))
+        self.assertIn("No such file", self.geodesic("upload", "/there/is/none", status=1))
+        self.assertIn("no JSON", self.geodesic("query", "square", "distance", "{", status=1))
+        self.assertIn("usage", self.geodesic("nonsense", status=2))
+
+    def test_completion(self):
+        self.upload("square.obj", SQUARE.decode())
+        script = 'source "$1"; COMP_WORDS=("${@:2}"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _geodesic; printf "%s\\n" "${COMPREPLY[@]}"'
+
+        def complete(*words):
+            environment = {**os.environ, "GEODESICD_URL": "http://" + self.daemon.address}
+            return subprocess.run(["bash", "-c", script, "bash", PROGRAM.with_suffix(".bash"), PROGRAM, *words], env=environment, check=True,
+                                  stdout=subprocess.PIPE, text=True).stdout.split()
+
+        self.assertEqual(complete("di"), ["distance"])
+        self.assertEqual(complete("distance", "sq"), ["square"])
+        self.assertIn("--via", complete("path", "--"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,210 @@
+"""The Python client: the scenario, what it adds to the contract, and how it bears with a busy daemon."""
+import contextlib
+import http.server
+import json
+import os
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import scenario
+from harness import SQUARE, Daemon, TestCase, sample
+
+sys.path.insert(0, str(scenario.CLIENTS / "python"))
+import geodesicd  # noqa: E402
+
+
+class Scenario(TestCase):
+    def run_step(self, client, step):
+        if "upload" in step:
+            return client.upload(step["upload"], step["file"].encode()).describe()
+        if "delete" in step:
+            return client.mesh(step["delete"]).delete()
+        return client.mesh("scenario").query(step["query"], step["body"])
+
+    def test_scenario(self):
+        with geodesicd.Client("http://" + self.daemon.address) as client:
+            for step in scenario.STEPS:
+                with self.subTest(step=step):
+                    if "problem" in step:
+                        with self.assertRaises(geodesicd.ProblemError) as caught:
+                            self.run_step(client, step)
+                        scenario.check(self, caught.exception.problem, step["problem"])
+                        self.assertEqual(caught.exception.status, step["problem"]["status"])
+                    else:
+                        scenario.check(self, self.run_step(client, step), step.get("expect"))
+
+
+class Meshes(TestCase):
+    def setUp(self):
+        self.client = geodesicd.Client("http://" + self.daemon.address)
+        self.square = self.client.upload("square", SQUARE)
+
+    def tearDown(self):
+        self.client.close()
+
+    def test_points_in_all_forms(self):
+        for point in (2, "v:2", (1.0, 1.0, 0.0), {"vertex": 2}, geodesicd.Point(vertex=2), geodesicd.near((1, 1, 0), 0.1), "p:1,1,0", "e:1-2:1",
+                      "f:0:0,0,1", geodesicd.ray((1, 1, 5), (0, 0, -1)), self.square.nearest((1, 1, 7))):
+            self.assertAlmostEqual(self.square.distance(0, point), 2**0.5, delta=1e-12, msg=point)
+        for point in ("w:2", "v:x", "", (1.0, 2.0)):
+            with self.assertRaises(ValueError, msg=point):
+                self.square.distance(0, point)
+
+    def test_path(self):
+        path = self.square.path(1, 3)
+        self.assertAlmostEqual(path.length, 2**0.5)
+        self.assertEqual((path.points[0], path.points[-1]), ((1, 0, 0), (0, 1, 0)))
+        self.assertAlmostEqual(self.square.distance(1, 3, via=[0]), 2)
+
+    def test_what_has_no_path(self):
+        islands = self.client.upload("islands", ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]], [[0, 1, 2], [3, 4, 5]]))
+        self.assertIsNone(islands.distance(0, 3))
+        self.assertIsNone(islands.path(0, 3))
+        row = list(islands.matrix([0], [1, 3])[0])
+        self.assertEqual(row[0], 1)
+        self.assertNotEqual(row[1], row[1])
+
+    def test_fields(self):
+        field = self.square.field([0, 1], progress=lambda part: None)
+        self.assertEqual([round(float(value), 12) for value in field.values()], [0, 0, 1, 1])
+        for distance, expected in zip(field.distances(["v:2", (0.5, 0.5, 0.0)]), (1, 0.5**0.5)):
+            self.assertAlmostEqual(distance, expected, delta=1e-12)
+        self.assertAlmostEqual(field.max, field.distances([field.farthest])[0])
+        self.assertIn("gradient", field.evaluate([2], gradient=True)[0])
+        self.assertEqual(len(field.isolines([0.5])), 1)
+        self.assertEqual(self.square.field([0, 1]).id, field.id)
+        field.delete()
+        with self.assertRaises(geodesicd.NotFound):
+            field.describe()
+
+    def test_sets(self):
+        whole = {"boundaries": "all"}
+        self.assertAlmostEqual(self.square.field(whole).max, 0.5)
+        self.assertEqual(self.square.distance_to_set(whole, [(0.5, 0.25, 0.0)])[0]["distance"], 0.25)
+        self.assertEqual(geodesicd.point_set((0.5, 0.25, 0.0)), {"points": [{"xyz": [0.5, 0.25, 0.0]}]})
+
+    def test_names_and_contents(self):
+        self.assertTrue(self.square.exists())
+        self.assertFalse(self.client.mesh("nobody").exists())
+        self.assertIn(b"v ", self.square.content())
+        again = self.client.upload(None, self.square.content("ply"))
+        self.assertEqual(again.describe()["faces"], 2)
+        for i in range(3):
+            self.client.upload(f"many-{i}", SQUARE)
+        self.assertLessEqual({"square", "many-0", "many-2"}, {mesh["name"] for mesh in self.client.meshes()})
+
+    def test_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "mesh.off")
+            with open(path, "wb") as file:
+                file.write(self.square.content("off"))
+            self.assertEqual(self.client.upload("from-file", path).describe()["vertices"], 4)
+        with self.assertRaises(OSError):
+            self.client.upload("from-file", "/there/is/none")
+
+    def test_jobs_report_progress_and_can_be_cancelled(self):
+        mesh = self.client.upload("sphere", sample("icosphere", level=6))
+        seen = []
+        field = mesh.field(0, progress=seen.append)
+        self.assertGreater(field.max, 2)
+        self.assertEqual(seen, sorted(seen))
+        self.assertEqual(seen[-1], 1)
+        job = self.client.submit("POST", mesh.location + "/matrix", None,
+                                 {"sources": [{"vertex": i} for i in range(500)], "targets": [{"vertex": i} for i in range(500)]})
+        job.cancel()
+        with self.assertRaises(geodesicd.JobCancelled):
+            job.wait().response()
+        failed = self.client.submit("POST", mesh.location + "/distance", None, {"from": {"vertex": 0}, "to": {"vertex": 10**9}}).wait()
+        with self.assertRaises(geodesicd.InvalidRequest):
+            failed.response()
+        self.assertEqual(self.client.job(failed.id).state, "failed")
+
+    def test_threads_have_connections_of_their_own(self):
+        answers = []
+        threads = [threading.Thread(target=lambda: answers.extend(self.square.distance(0, 2) for _ in range(50))) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(set(answers), {2**0.5})
+        self.assertEqual(len(answers), 400)
+
+
+class Busy(http.server.BaseHTTPRequestHandler):
+    """Turns the first requests away, as the server's `answers` say."""
+    protocol_version = "HTTP/1.1"
+
+    def do_GET(self):
+        status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
+        self.server.seen.append(time.monotonic())
+        if status == 0:  # hangs up
+            self.close_connection = True
+            return
+        text = body if isinstance(body, bytes) else json.dumps(body).encode()
+        self.send_response(status)
+        for name, value in {"Content-Length": len(text), **header}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(text)
+
+    def log_message(self, *_):
+        pass
+
+
+@contextlib.contextmanager
+def busy(*answers):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
+    server.answers, server.seen = list(answers), []
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield server, "http://127.0.0.1:%d" % server.server_address[1]
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+class Patience(unittest.TestCase):
+    OVERLOADED = (503, {"Retry-After": "0"}, {"code": "overloaded", "detail": "the queue is full"})
+
+    def test_it_tries_again(self):
+        with busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
+            self.assertEqual(client.service(), {"version": "1"})
+            self.assertEqual(len(server.seen), 4)
+
+    def test_it_waits_as_long_as_it_is_told(self):
+        with busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:
+            client.service()
+            self.assertGreaterEqual(server.seen[1] - server.seen[0], 1)
+
+    def test_patience_ends(self):
+        with busy(*[self.OVERLOADED] * 9) as (server, url), geodesicd.Client(url, retries=2) as client:
+            with self.assertRaises(geodesicd.Overloaded) as caught:
+                client.service()
+            self.assertEqual((caught.exception.status, caught.exception.retry_after, len(server.seen)), (503, 0, 3))
+            self.assertEqual(str(caught.exception), "the queue is full")
+
+    def test_answers_of_others(self):
+        with busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:
+            with self.assertRaises(geodesicd.ProblemError) as caught:
+                client.service()
+            self.assertEqual(caught.exception.status, 502)
+
+    def test_nobody_there(self):
+        with self.assertRaises(geodesicd.ConnectionFailed):
+            geodesicd.Client("http://127.0.0.1:1", retries=1).service()
+        with self.assertRaises(ValueError):
+            geodesicd.Client("localhost:8080")
+
+
+class Elsewhere(unittest.TestCase):
+    def test_unix_sockets(self):
+        with tempfile.TemporaryDirectory() as folder, Daemon(listen="unix:" + folder + "/socket"):
+            with geodesicd.Client("unix:" + folder + "/socket") as client:
+                self.assertEqual(client.upload("square", SQUARE).distance(0, 1), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
