@@ -1,6 +1,10 @@
-"""The scenario that every client goes through (clients/scenario.json)."""
+"""What tests of clients share: the scenario that each of them goes through (clients/scenario.json), and a daemon that is busy."""
+import contextlib
+import http.server
 import json
 import pathlib
+import threading
+import time
 
 CLIENTS = pathlib.Path(__file__).resolve().parents[2] / "clients"
 STEPS = json.loads((CLIENTS / "scenario.json").read_text())["steps"]
@@ -20,3 +24,36 @@ def check(test, answer, expected, where=""):
         test.assertAlmostEqual(answer, expected, delta=1e-12 * abs(expected), msg=where)
     else:
         test.assertEqual(answer, expected, where)
+
+
+class Busy(http.server.BaseHTTPRequestHandler):
+    """Turns the first requests away, as the server's `answers` say."""
+    protocol_version = "HTTP/1.1"
+
+    def do_GET(self):
+        status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
+        self.server.seen.append(time.monotonic())
+        if status == 0:  # hangs up
+            self.close_connection = True
+            return
+        text = body if isinstance(body, bytes) else json.dumps(body).encode()
+        self.send_response(status)
+        for name, value in {"Content-Length": len(text), **header}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(text)
+
+    def log_message(self, *_):
+        pass
+
+
+@contextlib.contextmanager
+def busy(*answers):
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
+    server.answers, server.seen = list(answers), []
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield server, "http://127.0.0.1:%d" % server.server_address[1]
+    finally:
+        server.shutdown()
+        server.server_close()

@@ -1,12 +1,8 @@
 """The Python client: the scenario, what it adds to the contract, and how it bears with a busy daemon."""
-import contextlib
-import http.server
-import json
 import os
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 import scenario
@@ -133,61 +129,28 @@ class Meshes(TestCase):
         self.assertEqual(len(answers), 400)
 
 
-class Busy(http.server.BaseHTTPRequestHandler):
-    """Turns the first requests away, as the server's `answers` say."""
-    protocol_version = "HTTP/1.1"
-
-    def do_GET(self):
-        status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
-        self.server.seen.append(time.monotonic())
-        if status == 0:  # hangs up
-            self.close_connection = True
-            return
-        text = body if isinstance(body, bytes) else json.dumps(body).encode()
-        self.send_response(status)
-        for name, value in {"Content-Length": len(text), **header}.items():
-            self.send_header(name, value)
-        self.end_headers()
-        self.wfile.write(text)
-
-    def log_message(self, *_):
-        pass
-
-
-@contextlib.contextmanager
-def busy(*answers):
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Busy)
-    server.answers, server.seen = list(answers), []
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    try:
-        yield server, "http://127.0.0.1:%d" % server.server_address[1]
-    finally:
-        server.shutdown()
-        server.server_close()
-
-
 class Patience(unittest.TestCase):
     OVERLOADED = (503, {"Retry-After": "0"}, {"code": "overloaded", "detail": "the queue is full"})
 
     def test_it_tries_again(self):
-        with busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
+        with scenario.busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             self.assertEqual(client.service(), {"version": "1"})
             self.assertEqual(len(server.seen), 4)
 
     def test_it_waits_as_long_as_it_is_told(self):
-        with busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:
+        with scenario.busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:
             client.service()
             self.assertGreaterEqual(server.seen[1] - server.seen[0], 1)
 
     def test_patience_ends(self):
-        with busy(*[self.OVERLOADED] * 9) as (server, url), geodesicd.Client(url, retries=2) as client:
+        with scenario.busy(*[self.OVERLOADED] * 9) as (server, url), geodesicd.Client(url, retries=2) as client:
             with self.assertRaises(geodesicd.Overloaded) as caught:
                 client.service()
             self.assertEqual((caught.exception.status, caught.exception.retry_after, len(server.seen)), (503, 0, 3))
             self.assertEqual(str(caught.exception), "the queue is full")
 
     def test_answers_of_others(self):
-        with busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:
+        with scenario.busy((502, {}, b"<html>bad gateway</html>")) as (_, url), geodesicd.Client(url) as client:
             with self.assertRaises(geodesicd.ProblemError) as caught:
                 client.service()
             self.assertEqual(caught.exception.status, 502)

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Prints the types of the JavaScript client (types.d.ts), made from the contract.
+
+usage: clients/js/generate.py > clients/js/types.d.ts
+"""
+import json
+import pathlib
+import re
+
+import yaml
+
+CONTRACT = pathlib.Path(__file__).resolve().parents[2] / "proto" / "openapi.yaml"
+PLAIN = {"integer": "number", "number": "number", "string": "string", "boolean": "boolean", "null": "null"}
+TUPLE_MOST = 9
+IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+
+
+def comment(schema, indent):
+    text = " ".join(schema.get("description", "").split()).replace("*/", "* /")
+    return f"{indent}/** {text} */\n" if text else ""
+
+
+def together(parts, sign):
+    parts = list(dict.fromkeys(part for part in parts if part))
+    return parts[0] if len(parts) == 1 else "(" + sign.join(parts) + ")" if parts else "unknown"
+
+
+def object_type(schema, indent):
+    properties, required = schema.get("properties", {}), schema.get("required", [])
+    extra = schema.get("additionalProperties", True)
+    if not properties:
+        inner = type_of(extra, indent) if isinstance(extra, dict) else "unknown"
+        return f"Record<string, {inner}>"
+    deeper = indent + "  "
+    lines = ["{\n"]
+    for name, value in properties.items():
+        key = name if IDENTIFIER.fullmatch(name) else json.dumps(name)
+        lines.append(f"{comment(value, deeper)}{deeper}{key}{'' if name in required else '?'}: {type_of(value, deeper)};\n")
+    return "".join(lines) + indent + "}"
+
+
+def array_type(schema, indent):
+    item = type_of(schema.get("items", {}), indent)
+    size = schema.get("minItems")
+    if size and size == schema.get("maxItems") and size <= TUPLE_MOST:
+        return "[" + ", ".join([item] * size) + "]"
+    return f"{item}[]" if IDENTIFIER.fullmatch(item) or item.startswith("(") else f"Array<{item}>"
+
+
+def own_type(schema, indent):
+    """What the schema says besides what it is composed of; "": nothing."""
+    if "enum" in schema or "const" in schema:
+        return together([json.dumps(value) for value in schema.get("enum", [schema.get("const")])], " | ")
+    kinds = schema.get("type", "object" if "properties" in schema else [])
+    made = []
+    for kind in [kinds] if isinstance(kinds, str) else kinds:
+        if kind == "object" and not (schema.keys() & {"oneOf", "anyOf", "allOf"} and "properties" not in schema):
+            made.append(object_type(schema, indent))
+        elif kind == "array":
+            made.append(array_type(schema, indent))
+        elif kind in PLAIN:
+            made.append(PLAIN[kind])
+    return together(made, " | ") if made else ""
+
+
+def reference_type(reference):
+    """Of a schema, or of a property of one."""
+    name, *inner = reference.removeprefix("#/components/schemas/").split("/")
+    return name + "".join(f"[{json.dumps(part)}]" for part in inner if part != "properties")
+
+
+def type_of(schema, indent=""):
+    if "$ref" in schema:
+        return reference_type(schema["$ref"])
+    parts = [own_type(schema, indent), *(type_of(part, indent) for part in schema.get("allOf", []))]
+    for choice in ("oneOf", "anyOf"):
+        if choice in schema:
+            parts.append(together([type_of(part, indent) for part in schema[choice] if part.keys() != {"required"}], " | "))
+    return together([part for part in parts if part != "unknown"], " & ")
+
+
+def answer_type(operation):
+    for status in ("200", "201"):
+        content = operation["responses"].get(status, {}).get("content", {})
+        if "application/json" in content:
+            return type_of(content["application/json"]["schema"], "  ")
+    return "unknown"
+
+
+def print_queries(document, kind, interface):
+    """POST below a surface of a kind, with JSON both ways."""
+    print(f"/** What can be asked of `/v1/{kind}/{{name}}`, by its name: what is sent and what comes back. */\nexport interface {interface} {{")
+    for path, item in document["paths"].items():
+        before, _, name = path.partition(f"/v1/{kind}/{{name}}/")
+        content = item.get("post", {}).get("requestBody", {}).get("content", {})
+        if before or not name or "{" in name or "application/json" not in content:
+            continue
+        print(comment({"description": item["post"]["summary"]}, "  ") + f"  {json.dumps(name)}: {{")
+        print(f"    body: {type_of(content['application/json']['schema'], '    ')};")
+        print(f"    answer: {answer_type(item['post'])};\n  }};")
+    print("}\n")
+
+
+def main():
+    document = yaml.safe_load(CONTRACT.read_text())
+    print("// Made from the contract by generate.py; changes belong there.\n")
+    for name, schema in document["components"]["schemas"].items():
+        print(f"{comment(schema, '')}export type {name} = {type_of(schema)};\n")
+    for kind, interface in (("meshes", "MeshQueries"), ("subdivisions", "SubdivisionQueries"), ("nurbs", "NurbsQueries")):
+        print_queries(document, kind, interface)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+import type * as types from "./types.js";
+
+export type { types };
+
+/** Any failure of a call. The message is the daemon's sentence, which tells what to change. */
+export class GeodesicError extends Error {}
+
+/** No answer came: the daemon is not there, or hung up. */
+export class ConnectionFailed extends GeodesicError {}
+
+/** An answer that is a problem (RFC 9457). After retries this is also what a busy daemon (429, 503) comes to. */
+export class ProblemError extends GeodesicError {
+  readonly problem: types.Problem;
+  readonly status: number;
+  readonly code: string;
+  readonly detail: string;
+  /** JSON Pointer into the body that was sent */
+  readonly pointer?: string;
+  readonly requestId: string;
+}
+
+/** The job that was awaited has been cancelled. */
+export class JobCancelled extends GeodesicError {}
+
+/**
+ * A point: the index of a vertex; three coordinates (the nearest point); "v:12", "e:3-9:0.25", "f:34:0.2,0.3,0.5" or "p:1,2,3"; an object as the contract has
+ * it; or a point that an answer held.
+ */
+export type PointLike = number | string | readonly number[] | types.Point | types.PointAnswer;
+export type SetLike = PointLike | readonly PointLike[] | types.Set;
+
+/** What the daemon takes for a point. TypeError of what is none. */
+export function toPoint(point: PointLike): types.Point;
+/** What the daemon takes for a set. */
+export function toSet(sources: SetLike): types.Set;
+
+/** Told how far a job is, in [0,1]. What is given one is a job. */
+export type OnProgress = (progress: number) => void;
+
+export interface CallOptions {
+  query?: Record<string, string | number | boolean | undefined>;
+  /** a string or bytes as they are, else sent as JSON */
+  body?: unknown;
+  headers?: Record<string, string>;
+  onProgress?: OnProgress;
+  signal?: AbortSignal;
+}
+
+export interface QueryOptions {
+  fields?: string;
+  geometry?: "full" | "xyz" | "none";
+  timeout_ms?: number;
+  onProgress?: OnProgress;
+  signal?: AbortSignal;
+}
+
+/** A request that was accepted to be worked on (202). The daemon keeps its result for a while. */
+export class Job {
+  readonly id: string;
+  readonly state: "queued" | "running" | "done" | "failed" | "cancelled";
+  readonly progress: number;
+  readonly isOver: boolean;
+  /** Until it is over. */
+  wait(onProgress?: OnProgress): Promise<this>;
+  /** The answer as it would have come at once, of a job that is over; the error of its problem if it failed. */
+  response(): Promise<Response>;
+  /** Stops it, within milliseconds. A job that is over is forgotten. */
+  cancel(): Promise<void>;
+}
+
+/** What lies at a path of the daemon. */
+export class Resource {
+  readonly client: Client;
+  readonly location: string;
+  describe(): Promise<unknown>;
+  exists(): Promise<boolean>;
+  delete(): Promise<void>;
+}
+
+/** A surface that has a name; Queries are those that can be asked of it. */
+export class Surface<Queries = Record<string, { body: unknown; answer: unknown }>> extends Resource {
+  readonly name: string;
+  query<Name extends keyof Queries & string>(
+    name: Name,
+    body: Queries[Name] extends { body: infer Body } ? Body : never,
+    options?: QueryOptions,
+  ): Promise<Queries[Name] extends { answer: infer Answer } ? Answer : never>;
+}
+
+export interface Path {
+  length: number;
+  /** the corners, from the first to the last */
+  points: [number, number, number][];
+}
+
+/** The distances from a set to the whole surface, kept by the daemon. */
+export class Field extends Resource {
+  readonly id: string;
+  readonly max: number | null;
+  readonly farthest: types.PointAnswer | null;
+  /** The distance at each vertex, NaN where there is none. */
+  values(): Promise<Float64Array>;
+  /** The distance at each point, null where there is none. */
+  distances(points: readonly PointLike[]): Promise<(number | null)[]>;
+  isolines(levels: readonly number[], tolerance?: number): Promise<types.IsolinesAnswer["isolines"]>;
+}
+
+export class Mesh extends Surface<types.MeshQueries> {
+  describe(): Promise<types.Mesh>;
+  /** The exact distance; null if no path joins the points. */
+  distance(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<number | null>;
+  /** A shortest path; null if there is none. */
+  path(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<Path | null>;
+  nearest(point: PointLike): Promise<types.PointAnswer>;
+  /** A row per source, NaN where there is no distance. */
+  matrix(
+    sources: readonly PointLike[],
+    targets: readonly PointLike[],
+    options?: { maxDistance?: number; onProgress?: OnProgress },
+  ): Promise<Float64Array[]>;
+  /** The same request gives the same field again. */
+  field(sources: SetLike, options?: { maxDistance?: number; onProgress?: OnProgress }): Promise<Field>;
+  content(format?: "obj" | "ply" | "off" | "stl"): Promise<string>;
+}
+
+export class Client {
+  /** `retries`: how often a request is sent again that a busy daemon turned away, or whose connection failed. */
+  constructor(url?: string | URL, options?: { key?: string; retries?: number });
+  /** Any request; the error of its problem if it has one. */
+  call(method: string, path: string, options?: CallOptions): Promise<Response>;
+  /** Any query or upload as a job, which is not awaited. */
+  submit(method: string, path: string, options?: Omit<CallOptions, "onProgress">): Promise<Job>;
+  /** The daemon's version, limits and capabilities. */
+  service(): Promise<types.Service>;
+  meshes(): AsyncGenerator<types.Mesh>;
+  /** The mesh of that name; nothing is asked yet. */
+  mesh(name: string): Mesh;
+  subdivision(name: string): Surface<types.SubdivisionQueries>;
+  nurbs(name: string): Surface<types.NurbsQueries>;
+  /** Creates or replaces a mesh of a file's content or of arrays; `null`: its name is made of its content. */
+  upload(
+    name: string | null,
+    content: string | ArrayBuffer | ArrayBufferView | Blob | { vertices: number[][]; faces: number[][] },
+    options?: { format?: string; weld?: number; repair?: "none" | "split"; onProgress?: OnProgress; signal?: AbortSignal },
+  ): Promise<Mesh>;
+}

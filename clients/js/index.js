@@ -1,0 +1,354 @@
+/* Exact geodesics on surfaces, from a geodesicd daemon. For browsers and Node.js 18 or later; needs nothing but fetch. See index.d.ts. */
+
+const BACKOFF_MS = 100; // before the first retry; twice as long before each next one
+const BACKOFF_MOST_MS = 10000;
+const FLOATS = "application/octet-stream";
+
+/* Any failure of a call. */
+export class GeodesicError extends Error {
+  get name() {
+    return this.constructor.name;
+  }
+}
+
+/* No answer came. */
+export class ConnectionFailed extends GeodesicError {}
+
+/* An answer that is a problem (RFC 9457). */
+export class ProblemError extends GeodesicError {
+  constructor(problem, response) {
+    const detail = problem.detail ?? problem.title ?? `the answer has the status ${response.status}`;
+    super(problem.pointer ? `${detail} (at ${problem.pointer})` : detail);
+    this.problem = problem;
+    this.status = response.status;
+    this.code = problem.code ?? "";
+    this.detail = detail;
+    this.pointer = problem.pointer;
+    this.requestId = response.headers.get("X-Request-Id") ?? "";
+  }
+}
+
+/* The job that was awaited has been cancelled. */
+export class JobCancelled extends GeodesicError {}
+
+/* --- points ----------------------------------------------------------------------------------------------------------- */
+
+const COMPACT = {
+  v: (rest) => ({ vertex: Number(rest) }),
+  e: (rest) => {
+    const [edge, t] = rest.split(":");
+    return { edge: edge.split("-").map(Number), t: Number(t) };
+  },
+  f: (rest) => {
+    const [face, weights] = rest.split(":");
+    return { face: Number(face), barycentric: weights.split(",").map(Number) };
+  },
+  p: (rest) => ({ xyz: rest.split(",").map(Number) }),
+};
+const COMPACT_FORM = /^(v:\d+|e:\d+-\d+:[\d.eE+-]+|f:\d+:[^,:]+,[^,:]+,[^,:]+|p:[^,:]+,[^,:]+,[^,:]+)$/;
+
+/* What is known most exactly of a point that an answer held. */
+function askable(point) {
+  if (point.vertex !== undefined) return { vertex: point.vertex };
+  if (point.edge !== undefined) return { edge: point.edge, t: point.t };
+  if (point.barycentric !== undefined) return { face: point.face, barycentric: point.barycentric };
+  return point;
+}
+
+export function toPoint(point) {
+  if (typeof point === "number") return { vertex: point };
+  if (Array.isArray(point)) return { xyz: point };
+  if (typeof point === "object" && point !== null) return askable(point);
+  if (typeof point === "string" && COMPACT_FORM.test(point)) return COMPACT[point[0]](point.slice(2));
+  throw new TypeError(`${JSON.stringify(point)} is no point; write v:12, e:3-9:0.25, f:34:0.2,0.3,0.5 or p:1,2,3`);
+}
+
+/* Three numbers are a place in space; any other list is one of points. */
+export function toSet(sources) {
+  if (Array.isArray(sources)) {
+    const isPlace = sources.length === 3 && sources.some((x) => typeof x === "number" && !Number.isInteger(x));
+    return { points: isPlace ? [{ xyz: sources }] : sources.map(toPoint) };
+  }
+  const isSet = typeof sources === "object" && ["points", "curves", "boundaries"].some((member) => member in sources);
+  return isSet ? sources : { points: [toPoint(sources)] };
+}
+
+/* --- requests --------------------------------------------------------------------------------------------------------- */
+
+function pause(ms) {
+  return new Promise((resume) => setTimeout(resume, ms));
+}
+
+function waitBefore(attempt, response) {
+  const told = response?.headers.get("Retry-After");
+  const backoff = Math.min(BACKOFF_MS * 2 ** attempt, BACKOFF_MOST_MS) * (0.5 + Math.random());
+  return pause(told && /^\d+$/.test(told) ? 1000 * Number(told) : backoff);
+}
+
+async function problemOf(response) {
+  const text = await response.text();
+  try {
+    return new ProblemError(JSON.parse(text) ?? {}, response);
+  } catch {
+    return new ProblemError({}, response);
+  }
+}
+
+function isBytes(body) {
+  return typeof body === "string" || body instanceof ArrayBuffer || ArrayBuffer.isView(body) || body instanceof Blob;
+}
+
+function toQuery(query = {}) {
+  const entries = Object.entries(query).filter(([, value]) => value !== undefined);
+  return entries.length ? "?" + new URLSearchParams(entries.map(([name, value]) => [name, String(value)])) : "";
+}
+
+async function readFloats(response) {
+  const view = new DataView(await response.arrayBuffer());
+  return Float64Array.from({ length: view.byteLength / 8 }, (_, i) => view.getFloat64(8 * i, true));
+}
+
+/* --- jobs ------------------------------------------------------------------------------------------------------------- */
+
+/* The events of a stream: [name, data]. */
+async function* readEvents(stream) {
+  const decoder = new TextDecoder();
+  let text = "", name = "";
+  for await (const bytes of chunksOf(stream)) {
+    const lines = (text + decoder.decode(bytes, { stream: true })).split("\n");
+    text = lines.pop();
+    for (const line of lines) {
+      if (line.startsWith("event: ")) name = line.slice(7);
+      if (line.startsWith("data: ")) yield [name, line.slice(6)];
+    }
+  }
+}
+
+async function* chunksOf(stream) {
+  const reader = stream.getReader();
+  try {
+    for (let read = await reader.read(); !read.done; read = await reader.read()) yield read.value;
+  } finally {
+    reader.releaseLock();
+  }
+}
+
+export class Job {
+  constructor(client, answer) {
+    this.client = client;
+    this.id = answer.id;
+    this.#hear(answer);
+  }
+
+  #hear({ state, progress }) {
+    this.state = state;
+    this.progress = progress;
+  }
+
+  get isOver() {
+    return ["done", "failed", "cancelled"].includes(this.state);
+  }
+
+  async wait(onProgress) {
+    while (!this.isOver) {
+      const response = await this.client.call("GET", `/v1/jobs/${this.id}/events`);
+      for await (const [, data] of readEvents(response.body)) {
+        this.#hear(JSON.parse(data));
+        onProgress?.(this.progress);
+      }
+    }
+    return this;
+  }
+
+  async response() {
+    if (this.state === "cancelled") throw new JobCancelled(`job ${this.id} has been cancelled`);
+    return this.client.call("GET", `/v1/jobs/${this.id}/result`);
+  }
+
+  async cancel() {
+    await this.client.call("DELETE", `/v1/jobs/${this.id}`);
+  }
+}
+
+/* --- what the daemon holds -------------------------------------------------------------------------------------------- */
+
+export class Resource {
+  constructor(client, location) {
+    this.client = client;
+    this.location = location;
+  }
+
+  async query(name, body, { onProgress, signal, ...query } = {}) {
+    return (await this.client.call("POST", `${this.location}/${name}`, { query, body, onProgress, signal })).json();
+  }
+
+  async describe() {
+    return (await this.client.call("GET", this.location)).json();
+  }
+
+  async delete() {
+    await this.client.call("DELETE", this.location);
+  }
+
+  async exists() {
+    try {
+      await this.client.call("HEAD", this.location);
+      return true;
+    } catch (error) {
+      if (error.status === 404) return false;
+      throw error;
+    }
+  }
+}
+
+export class Surface extends Resource {
+  constructor(client, kind, name) {
+    super(client, `/v1/${kind}/${encodeURIComponent(name)}`);
+    this.name = name;
+  }
+}
+
+export class Field extends Resource {
+  constructor(mesh, answer) {
+    super(mesh.client, `${mesh.location}/fields/${answer.id}`);
+    this.id = answer.id;
+    this.max = answer.max;
+    this.farthest = answer.farthest;
+  }
+
+  async values() {
+    return readFloats(await this.client.call("GET", `${this.location}/values`, { headers: { Accept: FLOATS } }));
+  }
+
+  async distances(points) {
+    const { results } = await this.query("evaluate", { points: points.map(toPoint) }, { fields: "distance" });
+    return results.map((result) => result.distance);
+  }
+
+  async isolines(levels, tolerance) {
+    return (await this.query("isolines", tolerance === undefined ? { levels } : { levels, tolerance })).isolines;
+  }
+}
+
+export class Mesh extends Surface {
+  constructor(client, name) {
+    super(client, "meshes", name);
+  }
+
+  #ends(from, to, via) {
+    return { from: toPoint(from), to: toPoint(to), ...(via?.length ? { via: via.map(toPoint) } : {}) };
+  }
+
+  async distance(from, to, { via, signal } = {}) {
+    return (await this.query("distance", this.#ends(from, to, via), { fields: "distance", signal })).distance;
+  }
+
+  async path(from, to, { via, signal } = {}) {
+    const { path } = await this.query("path", this.#ends(from, to, via), { fields: "path", geometry: "xyz", signal });
+    return path ?? null;
+  }
+
+  async nearest(point) {
+    return this.query("nearest", { point: toPoint(point) });
+  }
+
+  async matrix(sources, targets, { maxDistance, onProgress } = {}) {
+    const body = { sources: sources.map(toPoint), targets: targets.map(toPoint), max_distance: maxDistance };
+    const call = { body, headers: { Accept: FLOATS }, onProgress };
+    const values = await readFloats(await this.client.call("POST", `${this.location}/matrix`, call));
+    return sources.map((_, row) => values.subarray(row * targets.length, (row + 1) * targets.length));
+  }
+
+  async field(sources, { maxDistance, onProgress } = {}) {
+    return new Field(this, await this.query("fields", { set: toSet(sources), max_distance: maxDistance }, { onProgress }));
+  }
+
+  async content(format = "obj") {
+    return (await this.client.call("GET", `${this.location}/content`, { query: { format } })).text();
+  }
+}
+
+export class Client {
+  constructor(url = "http://127.0.0.1:8080", { key, retries = 5 } = {}) {
+    this.url = String(url).replace(/\/$/, "");
+    this.retries = retries;
+    this.headers = key ? { Authorization: `Bearer ${key}` } : {};
+  }
+
+  async #fetch(target, init) {
+    try {
+      return await fetch(this.url + target, init);
+    } catch (error) {
+      if (init.signal?.aborted) throw error;
+      throw new ConnectionFailed(`no answer from ${this.url}: ${error.cause?.message ?? error.message}`, { cause: error });
+    }
+  }
+
+  async #request(method, target, init) {
+    for (let attempt = 0; ; attempt++) {
+      let response;
+      try {
+        response = await this.#fetch(target, { ...init, method });
+      } catch (error) {
+        if (!(error instanceof ConnectionFailed) || attempt >= this.retries) throw error;
+      }
+      const isBusy = !response || response.status === 429 || response.status === 503;
+      if (!isBusy || attempt >= this.retries) return response;
+      await response?.body?.cancel();
+      await waitBefore(attempt, response);
+    }
+  }
+
+  async call(method, path, { query, body, headers = {}, onProgress, signal } = {}) {
+    if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress)).response();
+    const sent = { ...this.headers, ...headers };
+    if (body !== undefined && !isBytes(body)) {
+      body = JSON.stringify(body);
+      sent["Content-Type"] ??= "application/json";
+    }
+    const response = await this.#request(method, path + toQuery(query), { body, headers: sent, signal });
+    if (response.status >= 400) throw await problemOf(response);
+    return response;
+  }
+
+  async submit(method, path, { headers, ...rest } = {}) {
+    const response = await this.call(method, path, { ...rest, headers: { ...headers, Prefer: "respond-async" } });
+    if (response.status !== 202) throw new GeodesicError(`${method} ${path} can't be a job`);
+    return new Job(this, await response.json());
+  }
+
+  async service() {
+    return (await this.call("GET", "/v1")).json();
+  }
+
+  async *pages(path, member) {
+    for (let after; after !== null; ) {
+      const page = await (await this.call("GET", path, { query: { after } })).json();
+      yield* page[member];
+      after = page.next;
+    }
+  }
+
+  meshes() {
+    return this.pages("/v1/meshes", "meshes");
+  }
+
+  mesh(name) {
+    return new Mesh(this, name);
+  }
+
+  subdivision(name) {
+    return new Surface(this, "subdivisions", name);
+  }
+
+  nurbs(name) {
+    return new Surface(this, "nurbs", name);
+  }
+
+  async upload(name, content, { onProgress, signal, ...query } = {}) {
+    const headers = isBytes(content) ? { "Content-Type": FLOATS } : {};
+    const path = name === null ? "/v1/meshes" : `/v1/meshes/${encodeURIComponent(name)}`;
+    const call = { query, body: content, headers, onProgress, signal };
+    return this.mesh((await (await this.call(name === null ? "POST" : "PUT", path, call)).json()).name);
+  }
+}

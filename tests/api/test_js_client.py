@@ -1,0 +1,109 @@
+"""The JavaScript client under Node.js: the scenario, and what it adds to the contract. Skipped without node of version 18 or later."""
+import shutil
+import subprocess
+import unittest
+
+import scenario
+from harness import SQUARE, TestCase, sample
+
+NODE = shutil.which("node")
+
+
+def is_new_enough():
+    return NODE and int(subprocess.run([NODE, "--version"], stdout=subprocess.PIPE, text=True).stdout[1:].split(".")[0]) >= 18
+
+
+@unittest.skipUnless(is_new_enough(), "there is no node of version 18 or later")
+class JavaScriptClient(TestCase):
+    def run_script(self, script, url=None):
+        """Its last lines would tell what was not as expected."""
+        text = f"""
+            import assert from "node:assert/strict";
+            import fs from "node:fs";
+            import * as geodesicd from "{(scenario.CLIENTS / "js" / "index.js").as_uri()}";
+            const client = new geodesicd.Client("{url or "http://" + self.daemon.address}", {{ retries: 3 }});
+            {script}
+        """
+        done = subprocess.run([NODE, "--input-type=module"], input=text, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_scenario(self):
+        self.run_script(f"""
+            const steps = JSON.parse(fs.readFileSync("{scenario.CLIENTS / "scenario.json"}", "utf8")).steps;
+            function check(answer, expected, where) {{
+              if (typeof expected === "number") assert(Math.abs(answer - expected) <= 1e-12 * Math.abs(expected), `${{where}}: ${{answer}}`);
+              else if (expected === null || typeof expected !== "object") assert.equal(answer, expected, where);
+              else for (const name of Object.keys(expected)) check(answer[name], expected[name], `${{where}}/${{name}}`);
+            }}
+            async function run(step) {{
+              if (step.upload) return (await client.upload(step.upload, step.file)).describe();
+              if (step.delete) return client.mesh(step.delete).delete();
+              return client.mesh("scenario").query(step.query, step.body);
+            }}
+            assert(steps.length > 10);
+            for (const step of steps) {{
+              const where = JSON.stringify(step);
+              if (!step.problem) check(await run(step), step.expect ?? undefined, where);
+              else await assert.rejects(run(step), (error) => {{
+                check({{ ...error.problem, status: error.status }}, step.problem, where);
+                return error instanceof geodesicd.ProblemError;
+              }});
+            }}
+        """)
+
+    def test_queries(self):
+        self.daemon.put("square", SQUARE)
+        self.run_script("""
+            const square = client.mesh("square");
+            for (const point of [2, "v:2", [1, 1, 0], { vertex: 2 }, "p:1,1,0", "e:1-2:1", "f:0:0,0,1", await square.nearest([1, 1, 7])])
+              assert(Math.abs((await square.distance(0, point)) - Math.SQRT2) < 1e-12);
+            assert.throws(() => geodesicd.toPoint("w:2"), TypeError);
+            assert.deepEqual(await square.path(0, 1), { length: 1, points: [[0, 0, 0], [1, 0, 0]] });
+            assert.equal(await square.distance(1, 3, { via: [0] }), 2);
+            assert.deepEqual((await square.matrix([0, 1], [1, 0])).map((row) => [...row]), [[1, 0], [0, 1]]);
+            const field = await square.field([0, 1]);
+            assert.deepEqual([...(await field.values())], [0, 0, 1, 1]);
+            assert.deepEqual(await field.distances([2, "v:0"]), [1, 0]);
+            assert.equal((await field.isolines([0.5])).length, 1);
+            await field.delete();
+            await assert.rejects(field.describe(), { status: 404, code: "not_found" });
+            assert.equal(await square.exists(), true);
+            assert.equal(await client.mesh("nobody").exists(), false);
+            const triangle = await client.upload(null, { vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces: [[0, 1, 2]] });
+            assert.equal((await triangle.describe()).faces, 1);
+            const names = [];
+            for await (const mesh of client.meshes()) names.push(mesh.name);
+            assert(names.includes("square") && names.includes(triangle.name));
+            assert.match(await square.content(), /^f 1 2 3$/m);
+        """)
+
+    def test_jobs(self):
+        self.daemon.put("sphere", sample("icosphere", level=5))
+        self.run_script("""
+            const sphere = client.mesh("sphere"), seen = [];
+            const field = await sphere.field(0, { onProgress: (progress) => seen.push(progress) });
+            assert(field.max > 2 && seen.at(-1) === 1);
+            const many = Array.from({ length: 500 }, (_, i) => ({ vertex: i }));
+            const job = await client.submit("POST", sphere.location + "/matrix", { body: { sources: many, targets: many } });
+            await job.cancel();
+            await assert.rejects((await job.wait()).response(), geodesicd.JobCancelled);
+        """)
+
+    def test_patience(self):
+        with scenario.busy((503, {"Retry-After": "0"}, {}), (429, {}, {}), (0, {}, {})) as (server, url):
+            self.run_script('assert.deepEqual(await client.service(), { version: "1" });', url)
+            self.assertEqual(len(server.seen), 4)
+        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
+            self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
+            self.assertEqual(len(server.seen), 4)
+        self.run_script("await assert.rejects(client.service(), geodesicd.ConnectionFailed);", "http://127.0.0.1:1")
+
+
+class Types(unittest.TestCase):
+    def test_they_are_those_of_the_contract(self):
+        made = subprocess.run([scenario.CLIENTS / "js" / "generate.py"], check=True, stdout=subprocess.PIPE, text=True).stdout
+        self.assertEqual((scenario.CLIENTS / "js" / "types.d.ts").read_text(), made, "run clients/js/generate.py > clients/js/types.d.ts")
+
+
+if __name__ == "__main__":
+    unittest.main()
