@@ -31,9 +31,12 @@ LIB_PROTO   := $(BUILD)/libgd_proto.a
 LIB_SERVER  := $(BUILD)/libgd_server.a
 LIB_SAMPLES := $(BUILD)/libgd_samples.a
 LIB_SUPPORT := $(BUILD)/libgd_support.a
+LIB_CLIENT  := $(BUILD)/libgeodesicd-client.a
 
 ENGINE_LIBS := -lm
 SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lgnutls -lz
+CLIENT_LIBS := -lcurl -ljansson -lm
+CLIENTS     := $(BUILD)/gd_client_scenario $(BUILD)/gd_client_example
 
 # Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
 TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
@@ -45,7 +48,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve test test-build test-unit test-api test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve client-c test test-build test-unit test-api test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -54,7 +57,7 @@ help: ## list the targets
 
 # Everything that building, running and testing need, from Debian 12's own packages.
 PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
-            libcmocka-dev libclang-rt-14-dev python3 python3-yaml curl ca-certificates
+            libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
 
 setup: ## install what is missing (Debian 12)
@@ -94,7 +97,7 @@ image: ## the container's image, by docker, podman or buildah
 	@builder=$$(command -v docker || command -v podman || command -v buildah) || { echo "install docker, podman or buildah"; exit 1; }; \
 	$$builder build $(if $(BASE),--build-arg BASE=$(BASE)) -t geodesicd -f docker/Dockerfile .
 
-test-api: build ## the daemon over HTTP only
+test-api: build $(CLIENTS) ## the daemon over HTTP only
 	@tests/run.py tests/api/run.py
 
 # --- for developers ------------------------------------------------------------------------------------------------------
@@ -103,7 +106,9 @@ TEST_PROGRAMS = $(call program,$(TEST_ENGINE) $(TEST_SERVER))
 ASAN_BUILD   := $(BUILD)/asan
 ASAN_PROGRAMS = $(patsubst %.c,$(ASAN_BUILD)/%,$(filter tests/unit/%,$(TEST_ENGINE) $(TEST_SERVER)))
 
-test-build: $(call program,$(TEST_ENGINE) $(TEST_SERVER))
+test-build: $(call program,$(TEST_ENGINE) $(TEST_SERVER)) $(CLIENTS)
+
+client-c: $(LIB_CLIENT) $(BUILD)/geodesicd-client.pc $(BUILD)/gd_client_example ## the client library for C, and its example
 
 asan-build:
 	@$(MAKE) --no-print-directory BUILD=$(ASAN_BUILD) OPT=-O1 SAN="-fsanitize=address,undefined -fno-sanitize-recover=all" \
@@ -137,6 +142,7 @@ $(LIB_PROTO): $(call objects,$(PROTO_C))
 $(LIB_SERVER): $(call objects,$(SERVER_C)) $(BUILD)/obj/generated/routes.o $(BUILD)/obj/generated/assets.o
 $(LIB_SAMPLES): $(call objects,$(SAMPLES_C))
 $(LIB_SUPPORT): $(call objects,$(SUPPORT_C))
+$(LIB_CLIENT): $(call objects,$(filter-out %/example.c,$(wildcard clients/c/*.c)))
 
 %.a:
 	@rm -f $@
@@ -194,6 +200,17 @@ $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	@mkdir -p $(@D)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+
+$(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
+	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+
+$(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
+	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+
+PREFIX ?= /usr/local
+$(BUILD)/geodesicd-client.pc: clients/c/geodesicd-client.pc.in proto/openapi.yaml
+	@mkdir -p $(@D)
+	sed "s|@PREFIX@|$(PREFIX)|; s|@VERSION@|$$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)|" $< > $@
 
 # --- generated sources: the route table and the embedded pages ------------------------------------------------------------
 

@@ -31,6 +31,7 @@ class Busy(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
 
     def do_GET(self):
+        self.rfile.read(int(self.headers.get("Content-Length", 0)))
         status, header, body = self.server.answers.pop(0) if self.server.answers else (200, {}, {"version": "1"})
         self.server.seen.append(time.monotonic())
         if status == 0:  # hangs up
@@ -42,6 +43,8 @@ class Busy(http.server.BaseHTTPRequestHandler):
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(text)
+
+    do_POST = do_GET
 
     def log_message(self, *_):
         pass
