@@ -24,7 +24,8 @@ struct server_credentials {
 bool server_credentials_is_name(const char *text)
 {
     size_t size = strlen(text);
-    return size > 0 && size < SERVER_CREDENTIAL_NAME && *text != '.' && strspn(text, NAME_BYTES) == size;
+    return size > 0 && size < SERVER_CREDENTIAL_NAME && *text != '.' && *text != '-' &&
+           strspn(text, NAME_BYTES) == size;
 }
 
 bool server_credentials_parse_time(const char *text, int64_t *out)
@@ -122,7 +123,7 @@ static bool read_key(const struct reader *reader, char *line, struct server_cred
 {
     char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
     if (!server_credentials_is_name(name))
-        return complain(reader, "a name has 1 to %d letters, digits, '_', '-' or, not at its start, '.'",
+        return complain(reader, "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
                         SERVER_CREDENTIAL_NAME - 1);
     strcpy(out->name, name);
     strcpy(out->tenant, name);

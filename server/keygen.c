@@ -19,13 +19,12 @@ struct order {
     char expires[64]; /* empty: never */
 };
 
+static const char usage[] = "usage: geodesicd keygen NAME [--role read|write] [--tenant NAME] "
+                            "[--expires 2027-01-31|90d] [--rate N] [--concurrent N]\n";
+
 static bool complain(FILE *error, const char *sentence)
 {
-    fprintf(error,
-            "geodesicd keygen: %s\nusage: geodesicd keygen NAME [--role read|write] [--tenant NAME] [--expires "
-            "2027-01-31|90d] "
-            "[--rate N] [--concurrent N]\n",
-            sentence);
+    fprintf(error, "geodesicd keygen: %s\n%s", sentence, usage);
     return false;
 }
 
@@ -72,7 +71,7 @@ static bool read_order(int argc, char *const argv[], struct order *order, FILE *
 {
     *order = (struct order){.role = "read"};
     if (argc < 1 || !server_credentials_is_name(argv[0]))
-        return complain(error, "a key has a name of 1 to 64 letters, digits, '_', '-' or, not at its start, '.'");
+        return complain(error, "a key has a name of 1 to 64 letters, digits, '_' or, not at its start, '-' and '.'");
     order->name = argv[0];
     for (int at = 1; at < argc; at += 2)
         if (!read_flag(argv[at], at + 1 < argc ? argv[at + 1] : NULL, order, error)) return false;
@@ -108,6 +107,7 @@ bool server_keygen(int argc, char *const argv[], FILE *out, FILE *error)
     struct order order;
     unsigned char bytes[RANDOM_BYTES];
     char key[sizeof SERVER_CREDENTIAL_PREFIX + TEXT_BYTES] = SERVER_CREDENTIAL_PREFIX;
+    if (argc == 1 && strcmp(argv[0], "--help") == 0) return fputs(usage, out) >= 0;
     if (!read_order(argc, argv, &order, error)) return false;
     if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes) return complain(error, "the system gives no random numbers");
     encode(bytes, key + strlen(SERVER_CREDENTIAL_PREFIX));

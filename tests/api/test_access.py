@@ -288,7 +288,8 @@ class Start(unittest.TestCase):
                 answer = daemon.put("square", SQUARE, Authorization=f"Bearer {key}")
                 self.assertEqual(answer.status, 201)
         self.assertNotEqual(keygen("ci").stdout, keygen("ci").stdout)
-        for wrong in ((), ("a b",), ("a", "--role", "root"), ("a", "--expires", "soon"), ("a", "--role")):
+        self.assertRegex(keygen("--help").stdout, r"^usage: .*\n$")
+        for wrong in ((), ("a b",), ("--name", "a"), ("a", "--role", "root"), ("a", "--expires", "soon"), ("a", "--role")):
             result = keygen(*wrong)
             self.assertEqual((result.returncode, result.stdout), (2, ""), result)
             self.assertIn("usage", result.stderr)
