@@ -48,7 +48,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve client-c test test-build test-unit test-api test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve man client-c test test-build test-unit test-api test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
@@ -200,6 +200,10 @@ $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(
 $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	@mkdir -p $(@D)
 	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+
+man: $(BUILD)/geodesicd.8 ## the man page geodesicd(8), of the program's own options
+$(BUILD)/geodesicd.8: server/doc/manual.py $(BUILD)/geodesicd
+	server/doc/manual.py $(BUILD)/geodesicd > $@
 
 $(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
 	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)

@@ -5,6 +5,7 @@ import json
 import pathlib
 import random
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -498,6 +499,20 @@ class Crowd(TestCase):
             thread.join()
         self.assertEqual(self.wrong, [])
         self.assertGreater(min(counts), 0, dict(zip(self.COUNTERS, counts)))
+
+
+class Manual(unittest.TestCase):
+    def test_it_has_every_flag(self):
+        script = pathlib.Path(__file__).resolve().parents[2] / "server" / "doc" / "manual.py"
+        page = subprocess.run([script, PROGRAM], check=True, stdout=subprocess.PIPE, text=True).stdout
+        told = subprocess.run([PROGRAM, "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
+        flags = re.findall(r"^  (--[a-z-]+)", told, re.MULTILINE)
+        self.assertGreater(len(flags), 30)
+        for flag in flags:
+            self.assertIn(".TP\n\\fB" + flag.replace("-", "\\-") + "\\fR", page)
+        if shutil.which("groff"):
+            made = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z"], input=page, stderr=subprocess.PIPE, text=True)
+            self.assertEqual((made.returncode, made.stderr), (0, ""))
 
 
 if __name__ == "__main__":
