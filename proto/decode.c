@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "proto/parse.h"
+
 /* --- the document ------------------------------------------------------------------------------------------------- */
 
 /* Offset of the first bracket that nests too deep, or `size`. Whether the brackets match is the parser's concern. */
@@ -32,9 +34,10 @@ static size_t first_too_deep(const char *text, size_t size)
 static json_t *parse(const char *text, size_t size, struct proto_problem *problem)
 {
     json_error_t error;
-    json_t *document = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
+    bool is_starved;
+    json_t *document = proto_parse(text, size, &error, &is_starved);
     if (document) return document;
-    if (json_error_code(&error) == json_error_out_of_memory) {
+    if (is_starved) {
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                           "there is no memory for the request; try again later");
     } else {

@@ -19,7 +19,7 @@
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no number beyond the
  * doubles. All numbers become json_real. `bytes` are borrowed for the call. The caller owns the document (json_decref);
  * NULL with a problem that names line (if there are
- * several), column and byte. Memory: about 40 bytes a number. */
+ * several), column and byte. Memory: about 60 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
 
 /* `value` is an object and has no members but `members` (NULL-terminated). */

@@ -2,15 +2,9 @@
 
 #include "proto/decode.h"
 #include "proto/limit_trace.h"
-#include "proto/tessellation.h"
+#include "proto/made_mesh.h"
 
 const char *const proto_vertex_places_fields[] = {"subdivision", "places", NULL};
-
-static bool decode_tolerance(const json_t *document, double *out, struct proto_problem *problem)
-{
-    if (!proto_decode_number(document, "", "tolerance", out, problem)) return false;
-    return *out > 0 || proto_problem_refuse(problem, "/tolerance", "a tolerance is a length of more than 0");
-}
 
 bool proto_discretization_decode(const json_t *document, const struct gd_subdivision *surface, uint32_t max_faces,
                                  struct proto_discretization *out, struct proto_problem *problem)
@@ -24,27 +18,17 @@ bool proto_discretization_decode(const json_t *document, const struct gd_subdivi
                                     "say either level, how often edges are halved, or tolerance, how near the mesh is");
     if (!proto_made_mesh_decode(document, wanted.mesh, problem)) return false;
     if (has_level ? !proto_limit_level_decode(document, surface, &wanted.options.level, problem)
-                  : !decode_tolerance(document, &wanted.options.tolerance, problem))
+                  : !proto_made_tolerance_decode(document, &wanted.options.tolerance, problem))
         return false;
     *out = wanted;
     return true;
 }
 
-static void encode_surface(struct proto_writer *writer, const struct proto_vertex_places *places)
-{
-    proto_write_key(writer, "subdivision");
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "name");
-    proto_write_string(writer, places->surface);
-    proto_write_key(writer, "etag");
-    proto_write_string(writer, places->etag);
-    proto_write_object_end(writer);
-}
-
 void proto_vertex_places_encode(struct proto_writer *writer, const struct proto_vertex_places *places, uint32_t fields)
 {
     proto_write_object_begin(writer);
-    if (fields & PROTO_VERTEX_PLACES_FIELD_SUBDIVISION) encode_surface(writer, places);
+    if (fields & PROTO_VERTEX_PLACES_FIELD_SUBDIVISION)
+        proto_made_of_encode(writer, "subdivision", places->surface, places->etag);
     if (fields & PROTO_VERTEX_PLACES_FIELD_PLACES) {
         proto_write_key(writer, "places");
         proto_write_array_begin(writer);

@@ -144,7 +144,7 @@ static bool check_points(const struct gd_parametric *surface, const struct proto
 }
 
 static enum gd_status make_iso(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
-                               struct gd_domain_curve **out, struct gd_detail *detail)
+                               const struct gd_control *control, struct gd_domain_curve **out, struct gd_detail *detail)
 {
     if (!curve->has_range) return gd_domain_curve_iso(surface, curve->fixed, curve->value, out, detail);
     double low = curve->range[0], high = curve->range[1], ends[2][2];
@@ -153,21 +153,22 @@ static enum gd_status make_iso(const struct gd_parametric *surface, const struct
         ends[i][fixed] = curve->value;
         ends[i][1 - fixed] = curve->range[i];
     }
-    return gd_domain_curve_bspline(surface, 1, (double[]){low, low, high, high}, (const double(*)[2])ends, 2, out,
-                                   detail);
+    return gd_domain_curve_bspline(surface, 1, (double[]){low, low, high, high}, (const double(*)[2])ends, 2, control,
+                                   out, detail);
 }
 
 static enum gd_status make(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
-                           struct gd_domain_curve **out, struct gd_detail *detail)
+                           const struct gd_control *control, struct gd_domain_curve **out, struct gd_detail *detail)
 {
     const double(*points)[2] = (const double(*)[2])curve->points.items;
     switch (curve->kind) {
     case PROTO_DOMAIN_CURVE_POLYLINE:
-        return gd_domain_curve_polyline(surface, points, curve->points.count, out, detail);
+        return gd_domain_curve_polyline(surface, points, curve->points.count, control, out, detail);
     case PROTO_DOMAIN_CURVE_BSPLINE:
-        return gd_domain_curve_bspline(surface, curve->degree, curve->knots, points, curve->points.count, out, detail);
+        return gd_domain_curve_bspline(surface, curve->degree, curve->knots, points, curve->points.count, control, out,
+                                       detail);
     case PROTO_DOMAIN_CURVE_ISO:
-        return make_iso(surface, curve, out, detail);
+        return make_iso(surface, curve, control, out, detail);
     case PROTO_DOMAIN_CURVE_POINT:
         break;
     }
@@ -175,32 +176,35 @@ static enum gd_status make(const struct gd_parametric *surface, const struct pro
 }
 
 static enum gd_status close_polyline(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
-                                     struct gd_domain_curve **out, struct gd_detail *detail)
+                                     const struct gd_control *control, struct gd_domain_curve **out,
+                                     struct gd_detail *detail)
 {
     uint32_t count = curve->points.count;
     double(*corners)[2] = malloc((count + 1) * sizeof *corners);
     if (!corners) return GD_NO_MEMORY;
     memcpy(corners, curve->points.items, count * sizeof *corners);
     memcpy(corners[count], corners[0], sizeof *corners);
-    enum gd_status status = gd_domain_curve_polyline(surface, (const double(*)[2])corners, count + 1, out, detail);
+    enum gd_status status =
+        gd_domain_curve_polyline(surface, (const double(*)[2])corners, count + 1, control, out, detail);
     free(corners);
     return status;
 }
 
 bool proto_domain_curve_locate(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
-                               struct gd_domain_curve **out, struct proto_problem *problem)
+                               const struct gd_control *control, struct gd_domain_curve **out,
+                               struct proto_problem *problem)
 {
     struct gd_domain_curve *made = NULL;
     struct gd_detail detail = {0};
     if (!check_points(surface, curve, problem)) return false;
-    enum gd_status status = make(surface, curve, &made, &detail);
+    enum gd_status status = make(surface, curve, control, &made, &detail);
     if (!status && curve->wants_closed && !gd_domain_curve_is_closed(made)) {
         gd_domain_curve_release(made);
         if (curve->kind != PROTO_DOMAIN_CURVE_POLYLINE)
             return proto_problem_refuse(problem, curve->place,
                                         "the B-spline's ends are two places, so it is not closed; let it end where it "
                                         "begins, or leave \"closed\" out");
-        status = close_polyline(surface, curve, &made, &detail);
+        status = close_polyline(surface, curve, control, &made, &detail);
     }
     if (status) {
         proto_problem_from_status(problem, status, &detail);

@@ -39,8 +39,10 @@ bool proto_domain_curve_decode_point(const json_t *document, const char *member,
 void proto_domain_curve_free(struct proto_domain_curve *curve); /* a second time is harmless */
 
 /* The curve on its surface. A polyline that is to be closed and is not gets its first corner again at its end. invalid_request;
- * point_not_on_surface (with the point that lies outside the domain); insufficient_memory. The caller releases `*out`. Cost: some 30 evaluations a span. */
+ * point_not_on_surface (with the point that lies outside the domain); insufficient_memory; what `control`, which may be NULL, says. The caller releases
+ * `*out`. Cost: some 30 evaluations a span, and 60 for each line of the surface that is crossed. */
 bool proto_domain_curve_locate(const struct gd_parametric *surface, const struct proto_domain_curve *curve,
-                               struct gd_domain_curve **out, struct proto_problem *problem);
+                               const struct gd_control *control, struct gd_domain_curve **out,
+                               struct proto_problem *problem);
 
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "proto/decode.h"
+#include "proto/direction.h"
 #include "proto/path.h"
 
 const char *const proto_evaluation_fields[] = {"results", "distance", "reason", "nearest", "path", "gradient", NULL};
@@ -116,16 +117,6 @@ static void encode_distance(struct proto_writer *writer, double distance, uint32
     if (wanted & (PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_REASON)) proto_reason_encode(writer, distance);
 }
 
-static void encode_direction(struct proto_writer *writer, const struct gd_direction *direction)
-{
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "angle");
-    proto_write_number(writer, direction->angle);
-    proto_write_key(writer, "xyz");
-    proto_xyz_encode(writer, direction->xyz);
-    proto_write_object_end(writer);
-}
-
 /* The value of a key is null unless it `is_there`. */
 static bool encode_key(struct proto_writer *writer, const char *key, bool is_there)
 {
@@ -144,6 +135,6 @@ void proto_result_encode(struct proto_writer *writer, const struct gd_mesh *mesh
     if (wanted & PROTO_RESULT_FIELD_PATH && encode_key(writer, "path", result->path))
         proto_path_encode(writer, mesh, result->path, geometry);
     if (wanted & PROTO_RESULT_FIELD_GRADIENT && encode_key(writer, "gradient", result->has_gradient))
-        encode_direction(writer, &result->gradient);
+        proto_direction_encode(writer, &result->gradient);
     proto_write_object_end(writer);
 }

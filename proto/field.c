@@ -129,6 +129,10 @@ static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wed
     encode_number(writer, "sigma", wedge->sigma);
     proto_write_key(writer, "tau");
     proto_write_bool(writer, wedge->tau);
+    if (wedge->linear) {
+        proto_write_key(writer, "linear");
+        proto_write_bool(writer, true);
+    }
     proto_write_key(writer, "source");
     proto_write_object_begin(writer);
     proto_write_key(writer, wedge->at_vertex ? "vertex" : "member");

@@ -60,7 +60,7 @@ bool proto_wedges_parse(const struct proto_parameters *parameters, struct gd_ver
 enum proto_wedges_field { PROTO_WEDGES_FIELD_EDGE = 1 << 0, PROTO_WEDGES_FIELD_WEDGES = 1 << 1 };
 extern const char *const proto_wedges_fields[]; /* NULL-terminated, for proto_options_parse */
 
-/* Writes {"edge", "wedges": [{"b0", "b1", "d0", "d1", "sigma", "tau", "source"}]}, of these the wanted ones; a source is {"vertex"}
+/* Writes {"edge", "wedges": [{"b0", "b1", "d0", "d1", "sigma", "tau", "linear"?, "source"}]}, of these the wanted ones; a source is {"vertex"}
  * or {"member"}. */
 void proto_wedges_encode(struct proto_writer *writer, const struct gd_vertex ends[2], const struct gd_wedge *wedges,
                          uint32_t count, uint32_t wanted);

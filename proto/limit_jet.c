@@ -1,5 +1,7 @@
 #include "proto/limit_jet.h"
 
+#include <math.h>
+
 #include "proto/decode.h"
 #include "proto/point.h"
 
@@ -27,7 +29,7 @@ static void encode_vector(struct proto_writer *writer, const char *key, struct g
 static void encode_curvatures(struct proto_writer *writer, const struct gd_limit_jet *jet)
 {
     proto_write_key(writer, "curvatures");
-    if (jet->singular)
+    if (jet->singular || isnan(jet->curvatures[0]))
         proto_write_null(writer);
     else
         proto_write_numbers(writer, jet->curvatures, 2);
@@ -39,12 +41,9 @@ void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_j
         const char *key;
         struct gd_vec3 vector;
         bool is_known;
-    } vectors[] = {{"xyz", jet->position, true},
-                   {"normal", jet->normal, true},
-                   {"du", jet->du, true},
-                   {"dv", jet->dv, true},
-                   {"duu", jet->duu, !jet->singular},
-                   {"duv", jet->duv, !jet->singular},
+    } vectors[] = {{"xyz", jet->position, true},       {"normal", jet->normal, !isnan(jet->normal.x)},
+                   {"du", jet->du, !isnan(jet->du.x)}, {"dv", jet->dv, !isnan(jet->dv.x)},
+                   {"duu", jet->duu, !jet->singular},  {"duv", jet->duv, !jet->singular},
                    {"dvv", jet->dvv, !jet->singular}};
     proto_write_object_begin(writer);
     for (unsigned i = 0; i < sizeof vectors / sizeof *vectors; i++)

@@ -29,7 +29,7 @@ enum proto_limit_jet_field {
 extern const char *const proto_limit_jet_fields[]; /* NULL-terminated, for proto_options_parse */
 
 /* Writes one point, of its fields the wanted ones. Where the jet is singular, du and dv are unit vectors, second derivatives and curvatures are null, and "singular"
- * says so. */
+ * says so. What there isn't is null: normals at spikes. */
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet, uint32_t fields);
 
 enum proto_limit_foot_field {

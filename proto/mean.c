@@ -6,7 +6,7 @@
 
 #include "proto/decode.h"
 
-const char *const proto_mean_fields[] = {"point", "residual", "spread", "iterations", "converged", NULL};
+const char *const proto_mean_fields[] = {"point", "residual", "spread", "iterations", "converged", "cut_locus", NULL};
 
 /* --- the request -------------------------------------------------------------------------------------------------- */
 
@@ -89,6 +89,10 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh, 
     if (fields & PROTO_MEAN_FIELD_CONVERGED) {
         proto_write_key(writer, "converged");
         proto_write_bool(writer, mean->converged);
+    }
+    if (fields & PROTO_MEAN_FIELD_CUT_LOCUS) {
+        proto_write_key(writer, "cut_locus");
+        proto_write_bool(writer, mean->is_cut);
     }
     proto_write_object_end(writer);
 }

@@ -24,7 +24,8 @@ enum proto_mean_field {
     PROTO_MEAN_FIELD_RESIDUAL = 1 << 1,
     PROTO_MEAN_FIELD_SPREAD = 1 << 2,
     PROTO_MEAN_FIELD_ITERATIONS = 1 << 3,
-    PROTO_MEAN_FIELD_CONVERGED = 1 << 4
+    PROTO_MEAN_FIELD_CONVERGED = 1 << 4,
+    PROTO_MEAN_FIELD_CUT_LOCUS = 1 << 5
 };
 extern const char *const proto_mean_fields[]; /* NULL-terminated, for proto_options_parse */
 

@@ -32,7 +32,7 @@ struct proto_nurbs_form {
 };
 
 /* The surface of a file. invalid_request: it is not JSON of this form; invalid_mesh with the flaw's name as reason: its numbers are no surface;
- * too_large, insufficient_memory. The caller releases `*out`. Memory: about 50 bytes a number. */
+ * too_large, insufficient_memory. The caller releases `*out`. Memory: about 70 bytes a number. */
 bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
                       struct gd_parametric **out, struct proto_nurbs_form *form, struct proto_problem *problem);
 

@@ -11,7 +11,7 @@
 static unsigned find_name(const char *const *names, const char *name, size_t size)
 {
     for (unsigned i = 0; names && names[i]; i++) {
-        if (strncmp(names[i], name, size) == 0 && names[i][size] == '\0') return i;
+        if (*names[i] == *name && strncmp(names[i], name, size) == 0 && names[i][size] == '\0') return i;
     }
     return MOST_NAMES;
 }

@@ -1,8 +1,11 @@
 #include "proto/path.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "proto/point.h"
+
+#define POINT_BYTES 60 /* of three coordinates of some 18 characters */
 
 /* The element that a point lies on and no more: what names it again in a request. */
 static uint32_t fields_by_kind(enum gd_point_kind kind)
@@ -27,6 +30,33 @@ void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *
         proto_point_encode_fields(writer, mesh, point, NAN, fields_by_kind(point->kind));
 }
 
+#define RUN 64 /* points whose positions are found at a time */
+
+static void encode_positions(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path)
+{
+    double xyz[RUN][3];
+    for (uint32_t begin = 0; begin < path->count; begin += RUN) {
+        uint32_t count = path->count - begin < RUN ? path->count - begin : RUN;
+        for (uint32_t i = 0; i < count; i++) {
+            struct gd_vec3 position = gd_point_position(mesh, &path->points[begin + i]);
+            memcpy(xyz[i], (const double[]){position.x, position.y, position.z}, sizeof xyz[i]);
+        }
+        proto_write_triples(writer, xyz, count);
+    }
+}
+
+static void encode_points(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
+                          enum proto_geometry geometry)
+{
+    proto_writer_expect(writer, (size_t)path->count * POINT_BYTES);
+    proto_write_array_begin(writer);
+    if (geometry == PROTO_GEOMETRY_XYZ)
+        encode_positions(writer, mesh, path);
+    else
+        for (uint32_t i = 0; i < path->count; i++) proto_path_point_encode(writer, mesh, &path->points[i], geometry);
+    proto_write_array_end(writer);
+}
+
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
                        enum proto_geometry geometry)
 {
@@ -35,9 +65,7 @@ void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, 
     proto_write_number(writer, path->length);
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
-        for (uint32_t i = 0; i < path->count; i++) proto_path_point_encode(writer, mesh, &path->points[i], geometry);
-        proto_write_array_end(writer);
+        encode_points(writer, mesh, path, geometry);
     }
     proto_write_object_end(writer);
 }

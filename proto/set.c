@@ -45,6 +45,10 @@ static json_t *without_naming(const json_t *value)
     if (!json_object_get(value, "offset") && !json_object_get(value, "label")) return json_incref((json_t *)value);
     json_t *bare = json_copy((json_t *)value);
     if (!bare) return NULL;
+    if (json_object_size(bare) != json_object_size(value)) { /* json_copy leaves out what it has no memory for */
+        json_decref(bare);
+        return NULL;
+    }
     json_object_del(bare, "offset");
     json_object_del(bare, "label");
     return bare;
@@ -180,8 +184,10 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
     struct proto_set set = {.document = json_incref((json_t *)value)};
     snprintf(place, sizeof place, "/%s", member);
     bool ok = make_room(&set, arrays, problem);
-    set.namings[0] = (struct proto_naming){0};
-    if (ok) ok = decode_curve(value, place, &set, problem);
+    if (ok) {
+        set.namings[0] = (struct proto_naming){0};
+        ok = decode_curve(value, place, &set, problem);
+    }
     if (ok)
         *out = set;
     else

@@ -281,6 +281,8 @@ static void encode_segment(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_number(writer, segment->distance);
     proto_write_key(writer, "clipped");
     proto_write_bool(writer, segment->is_clipped);
+    proto_write_key(writer, "cut_locus");
+    proto_write_bool(writer, segment->is_cut);
     proto_write_object_end(writer);
 }
 

@@ -1,25 +1,11 @@
 #include "proto/tessellation.h"
 
-#include <string.h>
-
 #include "proto/decode.h"
+#include "proto/made_mesh.h"
 
 const char *const proto_vertex_parameters_fields[] = {"nurbs", "periods", "uv", NULL};
 
 /* --- the request -------------------------------------------------------------------------------------------------- */
-
-bool proto_made_mesh_decode(const json_t *document, char out[PROTO_MESH_NAME + 1], struct proto_problem *problem)
-{
-    const json_t *value = proto_decode_member(document, "", "mesh", problem);
-    if (!value) return false;
-    if (!json_is_string(value))
-        return proto_problem_refuse(problem, "/mesh", "expected the name of the mesh, a string");
-    size_t length = json_string_length(value);
-    if (!proto_mesh_name_check(json_string_value(value), length, problem)) return proto_problem_at(problem, "/mesh");
-    memcpy(out, json_string_value(value), length);
-    out[length] = '\0';
-    return true;
-}
 
 static bool decode_resolution(const json_t *document, uint32_t max_faces, struct gd_tessellation_options *out,
                               struct proto_problem *problem)
@@ -38,9 +24,8 @@ static bool decode_resolution(const json_t *document, uint32_t max_faces, struct
 
 static bool decode_tolerance(const json_t *document, struct gd_tessellation_options *out, struct proto_problem *problem)
 {
-    if (!proto_decode_number(document, "", "tolerance", &out->deviation, problem)) return false;
     out->faces = 1; /* as few as the tolerance allows */
-    return out->deviation > 0 || proto_problem_refuse(problem, "/tolerance", "a tolerance is a length of more than 0");
+    return proto_made_tolerance_decode(document, &out->deviation, problem);
 }
 
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces, struct proto_tessellation *out,
@@ -79,15 +64,8 @@ void proto_vertex_parameters_encode(struct proto_writer *writer, const struct pr
                                     uint32_t fields)
 {
     proto_write_object_begin(writer);
-    if (fields & PROTO_VERTEX_PARAMETERS_FIELD_NURBS) {
-        proto_write_key(writer, "nurbs");
-        proto_write_object_begin(writer);
-        proto_write_key(writer, "name");
-        proto_write_string(writer, parameters->surface);
-        proto_write_key(writer, "etag");
-        proto_write_string(writer, parameters->etag);
-        proto_write_object_end(writer);
-    }
+    if (fields & PROTO_VERTEX_PARAMETERS_FIELD_NURBS)
+        proto_made_of_encode(writer, "nurbs", parameters->surface, parameters->etag);
     if (fields & PROTO_VERTEX_PARAMETERS_FIELD_PERIODS) encode_periods(writer, parameters->period);
     if (fields & PROTO_VERTEX_PARAMETERS_FIELD_UV) {
         proto_write_key(writer, "uv");

@@ -14,9 +14,6 @@ struct proto_tessellation {
     struct gd_tessellation_options options;
 };
 
-/* The member "mesh", the name of a mesh that is to be made. invalid_request. */
-bool proto_made_mesh_decode(const json_t *document, char out[PROTO_MESH_NAME + 1], struct proto_problem *problem);
-
 /* `max_faces` is what a mesh may have. invalid_request, too_large (with the limit). */
 bool proto_tessellation_decode(const json_t *document, uint32_t max_faces, struct proto_tessellation *out,
                                struct proto_problem *problem);

@@ -257,7 +257,7 @@ void proto_vector_encode(struct proto_writer *writer, const struct gd_direction 
     proto_write_object_end(writer);
 }
 
-void proto_log_encode(struct proto_writer *writer, const struct gd_log *log)
+void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, bool is_cut)
 {
     proto_write_object_begin(writer);
     encode_members(writer, log->count ? &log->vector.direction : NULL, log->vector.length);
@@ -267,6 +267,10 @@ void proto_log_encode(struct proto_writer *writer, const struct gd_log *log)
         for (uint32_t i = 0; i < log->count; i++)
             proto_vector_encode(writer, &log->segments[i].direction, log->segments[i].length);
         proto_write_array_end(writer);
+    }
+    if (is_cut) {
+        proto_write_key(writer, "cut_locus");
+        proto_write_bool(writer, true);
     }
     proto_write_object_end(writer);
 }

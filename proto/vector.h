@@ -77,7 +77,7 @@ extern const char *const proto_exp_fields[], *const proto_log_fields[], *const p
  * "reason": "no_path". */
 void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction, double length);
 
-/* The same, and the "segments" when there are more than one. */
-void proto_log_encode(struct proto_writer *writer, const struct gd_log *log);
+/* The same, and the "segments" when there are more than one, and "cut_locus" where there are other paths as short. */
+void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, bool is_cut);
 
 #endif

@@ -36,6 +36,9 @@ struct proto_writer {
 void proto_writer_init(struct proto_writer *writer, size_t maximum);
 void proto_writer_free(struct proto_writer *writer); /* a second time is harmless */
 
+/* Makes room at once for about so many bytes that are to come, instead of now and then. */
+void proto_writer_expect(struct proto_writer *writer, size_t more);
+
 /* True, or false with insufficient_memory (out of memory, or over the maximum, which is the problem's limit then). */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
@@ -57,6 +60,8 @@ void proto_write_string(struct proto_writer *writer, const char *text);
 /* Shortest text that reads back as the same double; NaN and infinities: null. */
 void proto_write_number(struct proto_writer *writer, double value);
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count); /* an array of them */
+void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
+                         size_t count); /* an array of each three */
 void proto_write_uint(struct proto_writer *writer, uint64_t value);
 void proto_write_int(struct proto_writer *writer, int64_t value);
 void proto_write_bool(struct proto_writer *writer, bool value);

@@ -61,6 +61,7 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
+    if (!bytes) return; /* the counters are everybody's: not to be touched for nothing */
     size_t before = atomic_fetch_sub(&budget->used[class], bytes);
     assert(before >= bytes);
     (void)before;

@@ -17,7 +17,9 @@
 #define HEAD_NS        (30 * SECOND_NS) /* for a handshake and a request's headers */
 #define ANSWER_NS      (30 * SECOND_NS) /* for any answer, and beyond it as long as it takes at this rate */
 #define BYTES_A_SECOND 16384
-#define NEVER          UINT64_MAX
+#define IDLE_NS        (30 * SECOND_NS) /* between requests; not more than for an answer */
+#define NEVER          (UINT64_MAX - IDLE)
+#define IDLE           UINT64_C(1) /* set in a deadline: the connection waits for a request; to cut it then is no incident */
 
 struct entry {
     struct server_connection connection; /* first */
@@ -40,19 +42,38 @@ void server_connections_cut(struct server_connections *connections, uint64_t now
 {
     pthread_mutex_lock(&connections->lock);
     for (struct entry *entry = connections->first; entry; entry = entry->next) {
-        if (atomic_load(&entry->deadline_ns) > now_ns) continue;
+        uint64_t deadline_ns = atomic_load(&entry->deadline_ns);
+        if (deadline_ns > now_ns) continue;
         atomic_store(&entry->deadline_ns, NEVER);
-        atomic_fetch_add(&connections->cut, 1);
+        if (!(deadline_ns & IDLE)) atomic_fetch_add(&connections->cut, 1);
         shutdown(entry->descriptor, SHUT_RDWR); /* its thread sees that, and closes it */
     }
+    pthread_mutex_unlock(&connections->lock);
+}
+
+/* The client has ended its side, and all that it sent was read. */
+static bool is_ended(const struct entry *entry)
+{
+    char byte;
+    return recvfrom(entry->descriptor, &byte, 1, MSG_PEEK | MSG_DONTWAIT, NULL, NULL) == 0;
+}
+
+void server_connections_remind(struct server_connections *connections)
+{
+    pthread_mutex_lock(&connections->lock);
+    for (struct entry *entry = connections->first; entry; entry = entry->next)
+        if (is_ended(entry))
+            shutdown(entry->descriptor, SHUT_RD); /* its thread looks again; an answer can still leave */
     pthread_mutex_unlock(&connections->lock);
 }
 
 static void look(void *user, struct server_thread *thread)
 {
     struct server_connections *connections = user;
-    while (server_thread_pause(thread, atomic_load(&connections->open) ? SECOND_NS : SERVER_THREAD_FOREVER))
+    while (server_thread_pause(thread, atomic_load(&connections->open) ? SECOND_NS : SERVER_THREAD_FOREVER)) {
         server_connections_cut(connections, gd_now_ns());
+        server_connections_remind(connections);
+    }
 }
 
 struct server_connections *server_connections_create(void)
@@ -76,9 +97,19 @@ void server_connections_destroy(struct server_connections *connections)
 
 /* --- one connection ----------------------------------------------------------------------------------------------- */
 
+static uint64_t deadline_of(const struct server_connection *connection)
+{
+    return atomic_load_explicit(&((const struct entry *)connection)->deadline_ns, memory_order_relaxed);
+}
+
 static void set_deadline(struct server_connection *connection, uint64_t deadline_ns)
 {
-    atomic_store_explicit(&((struct entry *)connection)->deadline_ns, deadline_ns, memory_order_relaxed);
+    atomic_store_explicit(&((struct entry *)connection)->deadline_ns, deadline_ns & ~IDLE, memory_order_relaxed);
+}
+
+static void set_idle(struct server_connection *connection, uint64_t deadline_ns)
+{
+    atomic_store_explicit(&((struct entry *)connection)->deadline_ns, deadline_ns | IDLE, memory_order_relaxed);
 }
 
 static void insert(struct server_connections *connections, struct entry *entry)
@@ -127,19 +158,13 @@ void server_connections_close(struct server_connection *connection)
     free(entry);
 }
 
-static void await_head(struct server_connection *connection)
-{
-    bool is_in_head = server_grammar_is_in_head(&connection->grammar);
-    set_deadline(connection, is_in_head ? gd_now_ns() + HEAD_NS : NEVER);
-}
-
 /* The time of a head runs from its first byte on; the first one's, from the connection's beginning. */
 void server_connection_received(struct server_connection *connection)
 {
     struct entry *entry = (struct entry *)connection;
     if (connection->grammar.fault) atomic_fetch_add(&entry->connections->faults, 1);
-    if (!connection->is_busy && atomic_load_explicit(&entry->deadline_ns, memory_order_relaxed) == NEVER)
-        await_head(connection);
+    bool was_idle = deadline_of(connection) & IDLE;
+    if (was_idle && server_grammar_is_in_head(&connection->grammar)) set_deadline(connection, gd_now_ns() + HEAD_NS);
 }
 
 void server_connection_begin(struct server_connection *connection)
@@ -148,16 +173,27 @@ void server_connection_begin(struct server_connection *connection)
     set_deadline(connection, NEVER);
 }
 
-void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream)
+void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream, uint64_t now_ns)
 {
     uint64_t time_ns = ANSWER_NS + (uint64_t)size / BYTES_A_SECOND * SECOND_NS;
-    set_deadline(connection, is_stream ? NEVER : gd_now_ns() + time_ns);
+    connection->is_brief = !is_stream && size < BYTES_A_SECOND;
+    set_deadline(connection, is_stream ? NEVER : now_ns + time_ns);
 }
 
 void server_connection_end(struct server_connection *connection)
 {
     connection->is_busy = false;
-    await_head(connection);
+    if (server_grammar_is_in_head(&connection->grammar))
+        set_deadline(connection, gd_now_ns() + HEAD_NS);
+    else
+        set_idle(connection, connection->is_brief ? deadline_of(connection) : gd_now_ns() + IDLE_NS);
+}
+
+bool server_connection_is_in_body(const struct server_connection *connection)
+{
+    const struct server_grammar *grammar = &connection->grammar;
+    bool is_between = grammar->state == SERVER_GRAMMAR_START || server_grammar_is_in_head(grammar);
+    return grammar->heads == connection->requests && !is_between;
 }
 
 struct server_connections_statistics server_connections_statistics(struct server_connections *connections)

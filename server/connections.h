@@ -1,7 +1,8 @@
 /* Connections: what is known of each while it is open, and when it is cut.
  *
- * The HTTP library closes a connection on which nothing has come or gone for a while; a client that sends or takes a byte now and
- * then keeps it for ever. So a request's headers and an answer have absolute deadlines too, after which the connection is cut by a
+ * The HTTP library closes a connection on which nothing has come or gone for a while in the middle of a body or of a long answer; a
+ * client that sends or takes a byte now and then keeps it for ever, and the library's timer takes a dozen looks at the clock a request.
+ * So a request's headers, an answer and the idle time between requests have absolute deadlines, after which the connection is cut by a
  * thread of its own (bodies: body.h). */
 #ifndef SERVER_CONNECTIONS_H
 #define SERVER_CONNECTIONS_H
@@ -20,11 +21,13 @@ struct server_connection {
     const char *ending;            /* what the library is still to be given of a faulty request's; NULL: nothing */
     uint64_t requests;             /* whose target the library has read */
     bool is_busy;                  /* between a request's headers and the last byte of its answer */
+    bool is_brief;                 /* its answer's deadline will do for the idle time after it */
     bool is_encrypted;
 };
 
 struct server_connections_statistics {
-    uint64_t open, cut, faults; /* now; since the start: past a deadline, and with a request that is no HTTP */
+    uint64_t open, cut,
+        faults; /* now; since the start: past a deadline that was not of idle time, and with a request that is no HTTP */
 };
 
 /* Starts its thread. NULL without memory or thread. */
@@ -35,6 +38,10 @@ void server_connections_destroy(struct server_connections *connections);
 
 /* Cuts those whose deadline is before that time. What the thread does every second; thread-safe. */
 void server_connections_cut(struct server_connections *connections, uint64_t now_ns);
+
+/* Has the threads of connections look again whose clients have ended them: the library overlooks an end that comes together with the last bytes, and
+ * would wait for its timeout. Done every second as well; thread-safe. */
+void server_connections_remind(struct server_connections *connections);
 
 /* A new connection, whose socket is watched from now on (wire.h). NULL without memory. */
 struct server_connection *server_connections_open(struct server_connections *connections, int descriptor,
@@ -48,8 +55,11 @@ void server_connection_received(struct server_connection *connection);
 
 /* Headers were read; the answer, of `size` bytes, is on its way, or a stream that ends when it ends; it is over. */
 void server_connection_begin(struct server_connection *connection);
-void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream);
+void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream, uint64_t now_ns);
 void server_connection_end(struct server_connection *connection);
+
+/* After a request's headers: is there more of its body to come? */
+bool server_connection_is_in_body(const struct server_connection *connection);
 
 /* Thread-safe. NULL: nothing. */
 struct server_connections_statistics server_connections_statistics(struct server_connections *connections);

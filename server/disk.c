@@ -46,21 +46,39 @@ static void unlink_quietly(const char *path)
     errno = kept;
 }
 
-enum server_disk_result server_disk_sync_folder(const char *folder)
+/* A folder in which something is about to change: opened before, so that nothing has changed when there is no descriptor
+ * left to sync it by. */
+static int open_folder(const char *folder)
 {
-    int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file < 0) return refusal() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
+    return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+/* Makes durable what has changed in it, and closes it. */
+static enum server_disk_result settle_folder(int file)
+{
     int failed = fsync(file);
     close_quietly(file);
     return failed ? SERVER_DISK_LOST : SERVER_DISK_DONE;
 }
 
+enum server_disk_result server_disk_sync_folder(const char *folder)
+{
+    int file = open_folder(folder);
+    if (file < 0) return refusal() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
+    return settle_folder(file);
+}
+
 enum server_disk_result server_disk_make_folder(const char *path)
 {
-    char parent[SERVER_DISK_PATH];
-    if (mkdir(path, FOLDER_MODE) != 0) return errno == EEXIST ? SERVER_DISK_DONE : refusal();
-    snprintf(parent, sizeof parent, "%s", path);
-    return server_disk_sync_folder(dirname(parent));
+    char text[SERVER_DISK_PATH];
+    if (access(path, F_OK) == 0) return SERVER_DISK_DONE;
+    snprintf(text, sizeof text, "%s", path);
+    int parent = open_folder(dirname(text));
+    if (parent < 0) return refusal();
+    if (mkdir(path, FOLDER_MODE) == 0) return settle_folder(parent);
+    enum server_disk_result result = errno == EEXIST ? SERVER_DISK_DONE : refusal();
+    close_quietly(parent);
+    return result;
 }
 
 /* --- writing ------------------------------------------------------------------------------------------------------ */
@@ -90,13 +108,16 @@ static enum server_disk_result write_new(const char *path, const void *bytes, si
 enum server_disk_result server_disk_write(const char *folder, const char *path, const char *temporary,
                                           const void *bytes, size_t size)
 {
+    int parent = open_folder(folder);
+    if (parent < 0) return refusal();
     enum server_disk_result result = write_new(temporary, bytes, size);
-    if (result) return result;
-    if (rename(temporary, path) != 0) {
+    if (!result && rename(temporary, path) != 0) {
         unlink_quietly(temporary);
-        return refusal();
+        result = refusal();
     }
-    return server_disk_sync_folder(folder);
+    if (!result) return settle_folder(parent);
+    close_quietly(parent);
+    return result;
 }
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
@@ -199,8 +220,12 @@ bool server_disk_each(const char *folder, void (*visit)(void *user, const char *
 
 enum server_disk_result server_disk_remove(const char *folder, const char *path)
 {
-    if (unlink(path) != 0) return refusal();
-    return folder ? server_disk_sync_folder(folder) : SERVER_DISK_DONE;
+    int parent = folder ? open_folder(folder) : -1;
+    if (folder && parent < 0) return refusal();
+    enum server_disk_result result = unlink(path) != 0 ? refusal() : SERVER_DISK_DONE;
+    if (!result && folder) return settle_folder(parent);
+    if (folder) close_quietly(parent);
+    return result;
 }
 
 enum server_disk_result server_disk_copy(const char *path, const char *copy)

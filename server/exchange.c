@@ -52,13 +52,17 @@ static const char *decode_path(char *path)
 
 static const char *split_query(struct server_exchange *exchange, char *query)
 {
-    for (char *part, *rest = query; (part = strsep(&rest, "&"));) {
+    bool has_escapes = strchr(query, '%');
+    for (char *part = query, *rest; part; part = rest) {
+        rest = strchr(part, '&');
+        if (rest) *rest++ = '\0';
         if (!*part) continue;
         if (exchange->parameter_count == SERVER_EXCHANGE_PARAMETERS) return "the query string has too many parameters";
         char *equals = strchr(part, '=');
         if (equals) *equals = '\0';
         char *value = equals ? equals + 1 : part + strlen(part);
-        if (!percent_decode(part) || !percent_decode(value)) return "the query string has a broken percent escape";
+        if (has_escapes && (!percent_decode(part) || !percent_decode(value)))
+            return "the query string has a broken percent escape";
         exchange->parameters[exchange->parameter_count++] = (struct server_named_value){part, value};
     }
     return NULL;
@@ -71,10 +75,11 @@ static bool read_target(struct server_exchange *exchange, const char *target)
     exchange->target = malloc(exchange->target_size);
     if (!exchange->target) return false;
     memcpy(exchange->target, target, exchange->target_size);
-    char *rest = exchange->target, *path = strsep(&rest, "?");
+    char *path = exchange->target, *query = strchr(path, '?');
+    if (query) *query++ = '\0';
     exchange->path = path;
     exchange->fault = decode_path(path);
-    if (!exchange->fault && rest) exchange->fault = split_query(exchange, rest);
+    if (!exchange->fault && query) exchange->fault = split_query(exchange, query);
     return true;
 }
 
@@ -168,6 +173,7 @@ static bool copy_head(struct server_exchange *to, const struct server_exchange *
         to->headers[i].value = copy_text(&at, header->value);
     }
     to->header_count = from->header_count;
+    to->has_conditions = from->has_conditions;
     return true;
 }
 
@@ -227,6 +233,7 @@ void server_exchange_add_header(struct server_exchange *exchange, const char *na
         exchange->fault = "the request has too many headers";
     else
         exchange->headers[exchange->header_count++] = (struct server_named_value){name, value ? value : ""};
+    if (strncasecmp(name, "If-", 3) == 0) exchange->has_conditions = true;
 }
 
 /* The same name, whatever the case; most differ in the first letter. */
@@ -263,8 +270,10 @@ bool server_exchange_is(const struct server_exchange *exchange, const char *meth
 static const char *parameter_get(void *user, const char *name)
 {
     const struct server_exchange *exchange = user;
-    for (uint32_t i = 0; i < exchange->parameter_count; i++)
-        if (strcmp(exchange->parameters[i].name, name) == 0) return exchange->parameters[i].value;
+    for (uint32_t i = 0; i < exchange->parameter_count; i++) {
+        const struct server_named_value *parameter = &exchange->parameters[i];
+        if (*parameter->name == *name && strcmp(parameter->name, name) == 0) return parameter->value;
+    }
     return NULL;
 }
 

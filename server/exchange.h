@@ -42,6 +42,12 @@ struct server_named_value { /* of strings that the transport or the exchange own
     const char *name, *value;
 };
 
+struct server_response_header {
+    const char *name;
+    size_t size; /* of the value, without its NUL */
+    char value[SERVER_HEADER_VALUE];
+};
+
 struct server_response {
     unsigned status; /* 0: not answered yet */
     const char *media_type;
@@ -51,11 +57,9 @@ struct server_response {
     size_t size;
     struct server_stream *stream; /* instead of a body: one that comes as it happens (events.h); NULL: none */
     bool close;                   /* the connection ends with this answer */
+    bool is_viewer;               /* it is a file of the page at / */
     uint32_t header_count;
-    struct { /* as many as are counted; the others are not initialized */
-        const char *name;
-        char value[SERVER_HEADER_VALUE];
-    } headers[SERVER_RESPONSE_HEADERS];
+    struct server_response_header headers[SERVER_RESPONSE_HEADERS]; /* what is not counted is not initialized */
 };
 
 /* What carries the exchange. */
@@ -78,7 +82,8 @@ struct server_exchange {
 
     const char *method; /* as in the request line */
     bool is_http10;
-    char *target; /* storage of path and parameters, which are decoded in place */
+    bool has_conditions; /* If-Match, If-None-Match or the like is among the headers */
+    char *target;        /* storage of path and parameters, which are decoded in place */
     size_t target_size;
     const char *path; /* never NULL */
     uint32_t parameter_count, header_count;

@@ -4,6 +4,8 @@
 #include <ctype.h>
 #include <string.h>
 
+#include "server/printable.h"
+
 #define METHOD_MOST     32
 #define NAME_MOST       256
 #define VERSION_BYTES   8
@@ -243,7 +245,10 @@ static const char *chunk_size(struct server_grammar *grammar, unsigned char byte
         return NULL;
     }
     if (!grammar->count) return "a chunk begins with no size";
-    if (byte == ';') return enter(grammar, SERVER_GRAMMAR_CHUNK_EXTENSION);
+    if (byte == ';') {
+        grammar->extra++;
+        return enter(grammar, SERVER_GRAMMAR_CHUNK_EXTENSION);
+    }
     return byte == '\r' ? enter(grammar, SERVER_GRAMMAR_CHUNK_SIZE_LF) : "the size of a chunk is no hexadecimal number";
 }
 
@@ -321,9 +326,20 @@ static size_t run(struct server_grammar *grammar, const char *bytes, size_t size
     unsigned class = is_target ? IN_TARGET : IN_VALUE, before = grammar->count + (is_target ? 0 : grammar->head),
              most = is_target ? SERVER_GRAMMAR_TARGET_MOST : SERVER_GRAMMAR_HEAD_MOST;
     size_t passed = 0, room = before < most ? most - before : 0;
-    while (passed < size && passed < room && classes[(unsigned char)bytes[passed]] & class) passed++;
+    if (room > size) room = size;
+    while (room - passed >= 8 && server_eight_are_visible(bytes + passed, '#', '#')) passed += 8;
+    while (passed < room && classes[(unsigned char)bytes[passed]] & class) passed++;
     grammar->count += (unsigned)passed;
     return passed;
+}
+
+/* Passes over the version that nearly all requests have. */
+static size_t pass_version(struct server_grammar *grammar, const char *bytes, size_t size)
+{
+    if (grammar->state != SERVER_GRAMMAR_VERSION || grammar->count || size < VERSION_BYTES) return 0;
+    if (memcmp(bytes, "HTTP/1.1", VERSION_BYTES) != 0) return 0;
+    grammar->count = VERSION_BYTES;
+    return VERSION_BYTES;
 }
 
 size_t server_grammar_follow(struct server_grammar *grammar, const char *bytes, size_t size)
@@ -335,6 +351,7 @@ size_t server_grammar_follow(struct server_grammar *grammar, const char *bytes, 
             at += skip(grammar, size - at);
             continue;
         }
+        at += pass_version(grammar, bytes + at, size - at);
         at += run(grammar, bytes + at, size - at);
         if (at == size) break;
         grammar->fault = states[grammar->state].step(grammar, (unsigned char)bytes[at]);
@@ -365,6 +382,8 @@ const char *server_grammar_ending(const struct server_grammar *grammar)
     bool is_field = grammar->state >= SERVER_GRAMMAR_FIELD && grammar->state <= SERVER_GRAMMAR_END_LF;
     if (grammar->in_trailer && is_field) return grammar->state == SERVER_GRAMMAR_FIELD ? "@\r\n" : "\r\n@\r\n\r\n";
     if (grammar->state == SERVER_GRAMMAR_VALUE) return end_value(grammar);
+    if (grammar->state == SERVER_GRAMMAR_CHUNK_SIZE_LF && grammar->extra)
+        return ""; /* the library looks for a LF only */
     if (grammar->state == SERVER_GRAMMAR_VERSION && grammar->count == VERSION_BYTES) return "\r\n\r\n";
     return grammar->state == SERVER_GRAMMAR_TARGET && grammar->count ? " HTTP/1.1\r\n\r\n" : ending;
 }

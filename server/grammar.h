@@ -51,7 +51,7 @@ struct server_grammar {
     uint64_t left;                    /* bytes of the body or chunk; in CHUNK_SIZE the digits so far */
     unsigned count;                   /* bytes of the part at hand: method, target, version, name, value, size */
     unsigned head, headers;           /* bytes of the parts of this head before that, and its headers so far */
-    unsigned extra;                   /* bytes of chunk extensions of this request */
+    unsigned extra;                   /* bytes of chunk extensions of this request, with their first semicolons */
     enum server_grammar_field header; /* in VALUE: whose it is */
     char name[SERVER_GRAMMAR_WORD], value[SERVER_GRAMMAR_WORD]; /* in lower case, cut */
     uint64_t heads;                                             /* ends of headers that were seen */

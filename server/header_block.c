@@ -4,26 +4,27 @@
 #include <assert.h>
 #include <string.h>
 
-static void append(struct server_header_block *block, const char *text)
+static char *append(char *at, const char *text, size_t size)
 {
-    size_t size = strlen(text);
-    assert(size < sizeof block->value - block->size);
-    memcpy(block->value + block->size, text, size + 1);
-    block->size += size;
+    return (char *)memcpy(at, text, size) + size;
 }
 
-void server_header_block_join(struct server_header_block *block, const struct server_response *response)
+void server_header_block_join(struct server_header_block *block, const struct server_response *response,
+                              const char *date)
 {
-    block->name = response->headers[0].name;
-    block->size = block->break_count = 0;
-    append(block, response->headers[0].value);
-    for (uint32_t i = 1; i < response->header_count; i++) {
-        block->breaks[block->break_count++] = block->size;
-        append(block, "  ");
-        append(block, response->headers[i].name);
-        append(block, ": ");
-        append(block, response->headers[i].value);
+    char *at = append(block->value, date, strlen(date));
+    for (uint32_t i = 0; i < response->header_count; i++) {
+        const struct server_response_header *header = &response->headers[i];
+        size_t size = strlen(header->name);
+        assert(size <= SERVER_HEADER_NAME);
+        block->breaks[i] = (size_t)(at - block->value);
+        at = append(at, "  ", 2);
+        at = append(at, header->name, size);
+        at = append(at, ": ", 2);
+        at = append(at, header->value, header->size);
     }
+    *at = '\0';
+    block->break_count = response->header_count;
 }
 
 void server_header_block_break(const struct server_header_block *block, char *value)

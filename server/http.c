@@ -30,20 +30,24 @@
 #include <unistd.h>
 
 #include "server/connections.h"
+#include "server/date.h"
 #include "server/events.h"
 #include "server/header_block.h"
 #include "server/log.h"
+#include "server/place.h"
 #include "server/reply.h"
 #include "server/request_log.h"
 #include "server/router.h"
 #include "server/server.h"
 #include "server/tls.h"
 
-#define CONNECTION_MEMORY  (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
-#define CONNECTION_TIMEOUT 30u         /* seconds without a byte */
-#define SPARE_DESCRIPTORS  64u
-#define GONE_INTERVAL_NS   UINT64_C(20000000) /* between two looks at a client's socket */
-#define STREAM_BLOCK       1024               /* bytes of a stream that are asked for at a time */
+#define CONNECTION_MEMORY (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
+#define SILENCE_SECONDS   30u         /* without a byte, in the middle of a body or of a long answer */
+#define LONG_ANSWER                                                                                                    \
+    65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the library's */
+#define SPARE_DESCRIPTORS 64u
+#define GONE_INTERVAL_NS  UINT64_C(20000000) /* between two looks at a client's socket */
+#define STREAM_BLOCK      1024               /* bytes of a stream that are asked for at a time */
 
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
 
@@ -55,6 +59,7 @@ struct call {
     struct server_connection *wire;  /* what came in on the connection */
     uint64_t number;                 /* which of the connection's requests this is, from 0 on */
     enum phase phase;                /* written by the connection's HTTP thread only */
+    bool is_watched;                 /* see watch_silence */
     atomic_uint_least64_t looked_ns; /* when the client was last looked at */
 };
 
@@ -71,6 +76,7 @@ struct server_http {
     int listening; /* the library's own, whose number is known here: see server_http_quiesce */
     int silent[2]; /* a pair of sockets on which nothing is ever said */
     atomic_uint active;
+    uint32_t threads;
 };
 
 /* --- the transport ------------------------------------------------------------------------------------------------ */
@@ -159,25 +165,43 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
                                .wire = line->wire,
                                .number = line->wire->requests++};
     if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target)) return NULL;
+    server_place_http(http->threads, server_workers_are_busy(http->server->workers), line->exchange.started_ns);
     atomic_fetch_add(&http->active, 1);
     return &line->call;
 }
 
-/* The library has answered it, or hung up. */
+/* Escapes stay as they are: the target was taken apart before the library does it. */
+static size_t on_escapes(void *user, struct MHD_Connection *connection, char *text)
+{
+    (void)user, (void)connection;
+    return strlen(text);
+}
+
+/* The library's timer for silence, which it sets anew with every byte, is on only where it takes more than a moment to read or to
+ * write something; idle connections are cut by their deadline (connections.h). */
+static void watch_silence(struct call *call, bool is_on)
+{
+    if (call->is_watched == is_on) return;
+    MHD_set_connection_option(call->connection, MHD_CONNECTION_OPTION_TIMEOUT, is_on ? SILENCE_SECONDS : 0u);
+    call->is_watched = is_on;
+}
+
 static void log_broken_body(const struct call *call)
 {
     server_log_message(SERVER_LOG_INFO, "malformed", "the body of %s %s: %s", call->exchange->method,
                        call->exchange->path, call->wire->grammar.fault);
 }
 
+/* The library has answered it, or hung up. */
 static void on_completed(void *user, struct MHD_Connection *connection, void **context,
                          enum MHD_RequestTerminationCode why)
 {
     struct server_http *http = user;
     struct call *call = *context;
-    (void)connection, (void)why;
+    (void)connection;
     if (!call) return;
     if (call->phase == PHASE_BODY && call->wire->grammar.fault) log_broken_body(call);
+    if (why == MHD_REQUEST_TERMINATED_COMPLETED_OK) watch_silence(call, false);
     server_exchange_end(call->exchange);
     server_connection_end(call->wire);
     *context = NULL;
@@ -246,18 +270,18 @@ static struct MHD_Response *make_whole(struct server_response *reply)
 
 static enum MHD_Result on_response_header(void *user, enum MHD_ValueKind kind, const char *name, const char *value)
 {
-    (void)kind, (void)name;
-    server_header_block_break(user, (char *)value); /* the library's copy, which it writes as it is */
+    (void)kind;
+    if (strcmp(name, MHD_HTTP_HEADER_DATE) == 0)
+        server_header_block_break(user, (char *)value); /* the library's copy, which it writes as it is */
     return MHD_YES;
 }
 
 static bool add_headers(struct MHD_Response *response, const struct server_response *reply)
 {
     struct server_header_block block;
-    if (!reply->header_count) return true;
-    server_header_block_join(&block, reply);
-    return MHD_add_response_header(response, block.name, block.value) == MHD_YES &&
-           MHD_get_response_headers(response, on_response_header, &block) == 1;
+    server_header_block_join(&block, reply, server_date());
+    return MHD_add_response_header(response, MHD_HTTP_HEADER_DATE, block.value) == MHD_YES &&
+           MHD_get_response_headers(response, on_response_header, &block) > 0;
 }
 
 static struct MHD_Response *make_response(struct call *call)
@@ -265,12 +289,11 @@ static struct MHD_Response *make_response(struct call *call)
     struct server_response *reply = &call->exchange->response;
     struct MHD_Response *response = reply->stream ? make_streamed(call) : make_whole(reply);
     if (!response) return NULL;
-    if (!add_headers(response, reply)) {
-        MHD_destroy_response(response);
-        return NULL;
-    }
+    /* in this order: 0.9.75 forgets that there is a Date when it gets a Connection, and adds another */
     if (reply->close) MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
-    return response;
+    if (add_headers(response, reply)) return response;
+    MHD_destroy_response(response);
+    return NULL;
 }
 
 static const struct sockaddr *peer_of(const struct call *call)
@@ -283,15 +306,17 @@ static const struct sockaddr *peer_of(const struct call *call)
 static enum MHD_Result answer(struct call *call)
 {
     struct server_exchange *exchange = call->exchange;
-    uint64_t nanoseconds = gd_now_ns() - exchange->started_ns;
+    const struct server_response *reply = &exchange->response;
+    uint64_t now = gd_now_ns(), nanoseconds = now - exchange->started_ns;
     call->phase = PHASE_DONE;
     struct MHD_Response *response = make_response(call);
     if (!response) return MHD_NO;
-    server_metrics_count(exchange->server->metrics, exchange->match.route, exchange->response.status, nanoseconds);
-    server_metrics_count_problem(exchange->server->metrics, exchange->response.problem);
+    server_metrics_count(exchange->server->metrics, exchange->match.route, reply->status, nanoseconds);
+    server_metrics_count_problem(exchange->server->metrics, reply->problem);
     server_request_log(exchange, peer_of(call), nanoseconds);
-    server_connection_answer(call->wire, exchange->response.size, exchange->response.stream != NULL);
-    enum MHD_Result result = MHD_queue_response(call->connection, exchange->response.status, response);
+    server_connection_answer(call->wire, reply->size, reply->stream != NULL, now);
+    watch_silence(call, reply->stream || reply->size > LONG_ANSWER);
+    enum MHD_Result result = MHD_queue_response(call->connection, reply->status, response);
     MHD_destroy_response(response);
     return result;
 }
@@ -309,6 +334,7 @@ static enum MHD_Result begin(struct call *call, const char *method, const char *
     if (fault) exchange->fault = fault;
     MHD_get_connection_values(call->connection, MHD_HEADER_KIND, on_header, exchange);
     server_router_begin(exchange);
+    watch_silence(call, server_connection_is_in_body(call->wire));
     if (!exchange->response.close) return MHD_YES;
     server_reply_seal(exchange);
     return answer(call);
@@ -359,7 +385,12 @@ static unsigned connection_limit(const struct server_config *config)
     struct rlimit limit;
     if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= config->max_connections + SPARE_DESCRIPTORS)
         return (unsigned)config->max_connections;
-    return limit.rlim_cur > 2 * SPARE_DESCRIPTORS ? (unsigned)limit.rlim_cur - SPARE_DESCRIPTORS : SPARE_DESCRIPTORS;
+    unsigned descriptors = (unsigned)limit.rlim_cur,
+             most = descriptors > 2 * SPARE_DESCRIPTORS ? descriptors - SPARE_DESCRIPTORS : descriptors / 2;
+    server_log_message(SERVER_LOG_WARN, "descriptors",
+                       "%u connections at once at most: the limit of open files is %u; raise it by ulimit -n", most,
+                       descriptors);
+    return most;
 }
 
 static void on_library_log(void *user, const char *format, va_list arguments)
@@ -371,12 +402,13 @@ static void on_library_log(void *user, const char *format, va_list arguments)
     server_log_message(SERVER_LOG_DEBUG, "http", "%s", sentence);
 }
 
-static struct server_http *create(struct server *server, int listening)
+static struct server_http *create(struct server *server, int listening, uint32_t threads)
 {
     struct server_http *http = calloc(1, sizeof *http);
     if (!http) return NULL;
     http->server = server;
     http->listening = listening;
+    http->threads = threads;
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, http->silent) == 0) return http;
     free(http);
     return NULL;
@@ -390,7 +422,7 @@ static void destroy(struct server_http *http)
     free(http);
 }
 
-static struct MHD_Daemon *start_library(struct server_http *http, uint32_t threads)
+static struct MHD_Daemon *start_library(struct server_http *http)
 {
     const struct server_config *config = &http->server->config;
     const struct MHD_OptionItem encrypted[] = {
@@ -403,19 +435,19 @@ static struct MHD_Daemon *start_library(struct server_http *http, uint32_t threa
     if (http->server->tls) flags |= MHD_USE_TLS;
     return MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
-        MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE, threads > 1 ? threads : 0u,
+        MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE, http->threads > 1 ? http->threads : 0u,
         MHD_OPTION_CONNECTION_LIMIT, connection_limit(config), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
         (unsigned)config->max_address_connections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
-        MHD_OPTION_CONNECTION_TIMEOUT, CONNECTION_TIMEOUT, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
-        MHD_OPTION_URI_LOG_CALLBACK, on_target, http, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http, MHD_OPTION_ARRAY,
-        http->server->tls ? encrypted : plain, MHD_OPTION_END);
+        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
+        MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http,
+        MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
 }
 
 struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,
                                       size_t error_size)
 {
-    struct server_http *http = create(server, listening);
-    if (http) http->daemon = start_library(http, threads);
+    struct server_http *http = create(server, listening, threads);
+    if (http) http->daemon = start_library(http);
     if (http && http->daemon) return http;
     snprintf(error, error_size, "the HTTP library could not be started");
     destroy(http);

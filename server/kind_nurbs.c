@@ -39,7 +39,7 @@ static struct proto_nurbs_options options_of(const struct server_record *record)
 
 /* --- building ----------------------------------------------------------------------------------------------------- */
 
-#define READ_FACTOR        25 /* bytes that reading takes at most for each byte of the file: 50 a number and its comma */
+#define READ_FACTOR        33 /* bytes that reading takes at most for each byte of the file: 66 a number and its comma */
 #define READ_SHARE         0.2
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
 #define GROWTH             4

@@ -41,7 +41,7 @@ static struct proto_subdivision_options options_of(const struct server_record *r
 
 /* --- building ----------------------------------------------------------------------------------------------------- */
 
-#define READ_FACTOR    25 /* bytes that reading takes at most for each byte of the file: JSON, 50 a number and its comma */
+#define READ_FACTOR    33 /* bytes that reading takes at most for each byte of the file: JSON, 66 a number and its comma */
 #define READ_SHARE     0.5
 #define BYTES_A_CORNER 400 /* that most take while the surface is made */
 #define BYTES_A_MAKING ((size_t)1 << 20)

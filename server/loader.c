@@ -32,18 +32,6 @@ static enum server_loader_outcome complain(const struct server_record *record, c
     return SERVER_LOADER_DAMAGED;
 }
 
-/* Is the record its key's still? Asked after its bytes were missed: they go only after the registry has forgotten
- * the record (store.h), so if it is, they are missing indeed. */
-static bool is_current(struct server *server, const struct server_record *record)
-{
-    const struct server_key key = server_record_key(record);
-    struct server_listed listed;
-    if (!server_registry_find(server->registry, &key, &listed)) return false;
-    bool is_same = listed.record == record;
-    server_listed_release(&listed);
-    return is_same;
-}
-
 /* One load under way: its parts, and what they take of SERVER_BUDGET_FLIGHT. */
 struct loading {
     struct server *server;
@@ -69,7 +57,9 @@ static enum server_loader_outcome fetch(struct loading *loading, enum server_par
     case SERVER_STORE_DONE:
         return SERVER_LOADER_LOADED;
     case SERVER_STORE_ABSENT:
-        return is_current(loading->server, record) ? complain(record, "it is missing", problem) : SERVER_LOADER_GONE;
+        return server_registry_is_current(loading->server->registry, record)
+                   ? complain(record, "it is missing", problem)
+                   : SERVER_LOADER_GONE;
     case SERVER_STORE_NO_MEMORY:
         server_build_refuse(&loading->builder, record, GD_BUDGET, NULL, problem);
         return SERVER_LOADER_NO_MEMORY;

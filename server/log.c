@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "proto/number.h"
+#include "server/printable.h"
 #include "server/thread.h"
 
 #define LINE_RESERVE 2 /* brace, newline */
@@ -64,8 +65,9 @@ static const bool is_plain[256] = {
 /* Bytes from the start of the text, at most `most`, that can be written as they are. */
 static size_t plain_run(const char *text, size_t most)
 {
-    size_t run = 0;
-    while (run < most && is_plain[(unsigned char)text[run]]) run++;
+    size_t run = 0, size = strnlen(text, most);
+    while (size - run >= 8 && server_eight_are_visible(text + run, '"', '\\')) run += 8;
+    while (run < size && is_plain[(unsigned char)text[run]]) run++;
     return run;
 }
 

@@ -14,7 +14,7 @@
 
 #define FEW_COLUMNS    (SERVER_CACHE_SEARCHES / 2) /* so many searches take half as long as a field */
 #define BYTES_A_COLUMN 16                          /* of an evaluation, see gd_field_distances */
-#define BYTES_AN_EDGE  96                          /* of a row without wedges: 60, see gd_field_distances_only */
+#define BYTES_AN_EDGE  96                          /* of a row without wedges: 7 to 30, see gd_field_distances_only */
 #define BYTES_A_ROW    ((size_t)1 << 20)           /* of one on any mesh: the queue, and what is taken in advance */
 
 struct matrix {

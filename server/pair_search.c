@@ -13,7 +13,7 @@
 struct search {
     const struct gd_mesh *mesh;
     const struct gd_point *from, *to;
-    bool want_path;
+    enum gd_pair_wish wish;
     const struct gd_landmarks *landmarks;
     struct gd_pair_answer *out;
 };
@@ -22,16 +22,16 @@ static enum gd_status search(void *user, const struct gd_control *control, size_
 {
     const struct search *wanted = user;
     *kept = 0; /* a path is small, and soon gone */
-    return gd_pair_solve(wanted->mesh, wanted->from, wanted->to, wanted->want_path, wanted->landmarks, control,
-                         wanted->out, NULL);
+    return gd_pair_solve(wanted->mesh, wanted->from, wanted->to, wanted->wish, wanted->landmarks, control, wanted->out,
+                         NULL);
 }
 
 enum gd_status server_pair_search(struct server_monitor *part, const struct gd_mesh *mesh, const struct gd_point *from,
-                                  const struct gd_point *to, bool want_path, const struct gd_landmarks *landmarks,
-                                  struct gd_pair_answer *out)
+                                  const struct gd_point *to, enum gd_pair_wish wish,
+                                  const struct gd_landmarks *landmarks, struct gd_pair_answer *out)
 {
     struct server *server = part->exchange->server;
-    struct search wanted = {mesh, from, to, want_path, landmarks, out};
+    struct search wanted = {mesh, from, to, wish, landmarks, out};
     const struct server_call call = {.make = search,
                                      .user = &wanted,
                                      .control = server_exchange_control(part),

@@ -155,6 +155,16 @@ bool server_registry_find(struct server_registry *registry, const struct server_
     return slot != NULL;
 }
 
+bool server_registry_is_current(struct server_registry *registry, const struct server_record *record)
+{
+    const struct server_key key = server_record_key(record);
+    pthread_rwlock_rdlock(&registry->lock);
+    const struct server_slot *slot = server_slots_find(registry, &key);
+    bool is_current = slot && slot->record == record;
+    pthread_rwlock_unlock(&registry->lock);
+    return is_current;
+}
+
 bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out)
 {
     pthread_rwlock_rdlock(&registry->lock);

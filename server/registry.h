@@ -68,7 +68,11 @@ bool server_registry_holds(struct server_registry *registry, const char *etag);
 /* The surface of that key, its parts retained; false: there is none. */
 bool server_registry_find(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
 
-/* The same, and its use is counted. */
+/* Is the record its key's still? Bytes go only after the registry has forgotten their record (store.h): when they are missed and this is true, asked
+ * afterwards, they are missing indeed. */
+bool server_registry_is_current(struct server_registry *registry, const struct server_record *record);
+
+/* The surface of that key, and its use is counted. */
 bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
 
 /* Up to `most` of the tenant and kind of `after`, with names after its name (NULL: from the first), in byte order, each

@@ -17,7 +17,8 @@
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                                                \
     "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
-#define CONTENT_SECURITY "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+#define VIEWER_SECURITY "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+#define DATA_SECURITY   "default-src 'none'; frame-ancestors 'none'" /* shown as a document, data loads nothing */
 
 static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
                      void *owned, size_t size)
@@ -36,8 +37,10 @@ void server_reply_header(struct server_exchange *exchange, const char *name, con
     if (response->header_count == SERVER_RESPONSE_HEADERS) return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(response->headers[response->header_count].value, SERVER_HEADER_VALUE, format, arguments);
+    char *value = response->headers[response->header_count].value;
+    vsnprintf(value, SERVER_HEADER_VALUE, format, arguments);
     va_end(arguments);
+    response->headers[response->header_count].size = strlen(value);
     response->headers[response->header_count++].name = name;
 }
 
@@ -49,6 +52,7 @@ static void add_header(struct server_response *response, const char *name, const
     char *copy = response->headers[response->header_count].value;
     memcpy(copy, value, size);
     copy[size] = '\0';
+    response->headers[response->header_count].size = size;
     response->headers[response->header_count++].name = name;
 }
 
@@ -160,6 +164,7 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
     add_header(&exchange->response, "Vary", "Accept-Encoding");
     add_header(&exchange->response, "Referrer-Policy", "no-referrer");
     add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
+    exchange->response.is_viewer = true;
     if (asset->gzip && server_reply_takes_gzip(exchange)) {
         add_header(&exchange->response, "Content-Encoding", "gzip");
         set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
@@ -170,30 +175,31 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
 
 /* --- sealing ------------------------------------------------------------------------------------------------------ */
 
-static char *response_header(struct server_response *response, const char *name)
+static struct server_response_header *response_header(struct server_response *response, const char *name)
 {
     for (uint32_t i = 0; i < response->header_count; i++)
-        if (strcmp(response->headers[i].name, name) == 0) return response->headers[i].value;
+        if (strcmp(response->headers[i].name, name) == 0) return &response->headers[i];
     return NULL;
 }
 
 /* The resource's entity tag, without quotes; false: the answer has none. */
 static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
 {
-    const char *quoted = response_header(response, "ETag");
-    size_t size = quoted ? strlen(quoted) - 2 : 0;
+    const struct server_response_header *quoted = response_header(response, "ETag");
     if (!quoted) return false;
-    memcpy(tag, quoted + 1, size);
-    tag[size] = '\0';
+    memcpy(tag, quoted->value + 1, quoted->size - 2);
+    tag[quoted->size - 2] = '\0';
     return true;
 }
 
 static void name_packed_form(struct server_response *response)
 {
+    struct server_response_header *header = response_header(response, "ETag");
     char tag[SERVER_HEADER_VALUE];
     if (!read_tag(response, tag)) return;
-    snprintf(response_header(response, "ETag"), SERVER_HEADER_VALUE, "\"%.*s%s\"", SERVER_HEADER_VALUE / 2, tag,
+    snprintf(header->value, sizeof header->value, "\"%.*s%s\"", SERVER_HEADER_VALUE / 2, tag,
              SERVER_ETAG_PACKED_SUFFIX);
+    header->size = strlen(header->value);
 }
 
 static void drop_body(struct server_response *response)
@@ -218,7 +224,8 @@ static void apply_conditions(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
     char tag[SERVER_HEADER_VALUE];
-    if ((response->status != 200 && response->status != 304) || !read_tag(response, tag)) return;
+    if (!exchange->has_conditions || (response->status != 200 && response->status != 304)) return;
+    if (!read_tag(response, tag)) return;
     if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return;
     const struct server_precondition precondition = server_precondition_read(exchange);
     enum server_etag_form known = server_precondition_known(&precondition, tag);
@@ -270,7 +277,7 @@ void server_reply_seal(struct server_exchange *exchange)
     allow_origin(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
-    add_header(response, "Content-Security-Policy", CONTENT_SECURITY);
+    add_header(response, "Content-Security-Policy", response->is_viewer ? VIEWER_SECURITY : DATA_SECURITY);
     add_header(response, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
 }

@@ -62,24 +62,15 @@ static void complain(const struct server_record *record, enum server_store_verdi
     server_log_end(&line);
 }
 
-/* A file that is not there may have gone with its surface meanwhile. */
-static bool is_stored(struct server *server, const struct server_record *record)
-{
-    const struct server_key key = server_record_key(record);
-    struct server_listed listed;
-    if (!server_registry_find(server->registry, &key, &listed)) return false;
-    bool is_same = listed.record == record;
-    server_listed_release(&listed);
-    return is_same;
-}
-
 static void look_at(struct server_scrub *scrub, const struct server_record *record, enum server_part part)
 {
     struct server *server = scrub->server;
     enum server_store_verdict verdict = server_registry_verify(server->registry, record, part, pace, scrub);
     if (verdict == SERVER_VERDICT_NONE) return;
     atomic_fetch_add(&scrub->files, 1);
-    if (verdict == SERVER_VERDICT_SOUND || (verdict == SERVER_VERDICT_MISSING && !is_stored(server, record))) return;
+    if (verdict == SERVER_VERDICT_SOUND ||
+        (verdict == SERVER_VERDICT_MISSING && !server_registry_is_current(server->registry, record)))
+        return;
     scrub->faults++;
     complain(record, verdict);
 }

@@ -5,13 +5,9 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include "gd/control.h"
-
-#define NICE 10 /* of the workers: an HTTP thread that has something to do gets a processor from them at once */
+#include "server/place.h"
 
 struct server_workers {
     pthread_mutex_t lock;
@@ -23,6 +19,7 @@ struct server_workers {
     bool is_hosting;               /* a thread runs one of them */
     bool leaving;                  /* threads end once the queue is empty */
     atomic_bool cancelled;
+    atomic_uint busy; /* threads that run a job, of the queue or of the background */
     pthread_t threads[];
 };
 
@@ -76,12 +73,19 @@ static struct server_job *take_expired(struct server_workers *workers, uint64_t 
 
 static void run_job(struct server_workers *workers, struct server_job *job)
 {
+    atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
     if (atomic_load(&workers->cancelled))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
     else if (server_job_is_late(job, gd_now_ns()))
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);
+    atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
+}
+
+bool server_workers_are_busy(const struct server_workers *workers)
+{
+    return atomic_load_explicit(&workers->busy, memory_order_relaxed) > 0;
 }
 
 /* Under the lock, which is given up meanwhile. */
@@ -115,7 +119,7 @@ static void host(struct server_workers *workers)
 static void *work(void *user)
 {
     struct server_workers *workers = user;
-    (void)setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* of this thread only; as it was if refused */
+    server_place_worker();
     pthread_mutex_lock(&workers->lock);
     for (;;) {
         while (!workers->head && !may_host(workers) && !workers->leaving)

@@ -63,6 +63,9 @@ struct server_workers_load {
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 
+/* Does one of them run a job? Takes no lock. */
+bool server_workers_are_busy(const struct server_workers *workers);
+
 /* Cancels, waits for the running jobs, frees. NULL is harmless. */
 void server_workers_destroy(struct server_workers *workers);
 

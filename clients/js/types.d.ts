@@ -371,7 +371,7 @@ export type Field = {
   bytes?: number;
   /** What they took to compute, in all. */
   build_ms?: number;
-  /** The largest distance; `null` when it is beyond `max_distance`. */
+  /** The largest distance; `null` when it is beyond `max_distance`, or so close below that it can not be told. */
   max?: (number | null);
   reason?: "beyond_max_distance";
   /** Where it is; it may lie inside a face. */
@@ -513,6 +513,8 @@ export type TangentVector = {
   direction: (Direction | null);
   length: (number | null);
   reason?: "no_path";
+  /** Other paths are as short and leave in other directions. */
+  cut_locus?: true;
   segments?: Array<{
     direction: Direction;
     length: number;
@@ -576,6 +578,7 @@ export type MeanAnswer = {
   spread?: number;
   iterations?: number;
   converged?: boolean;
+  cut_locus?: boolean;
 };
 
 /** At most one of `samples`, `tolerance` and `spacing`. */
@@ -636,6 +639,7 @@ export type SplineAnswer = {
     /** Between its ends. */
     distance: number;
     clipped: boolean;
+    cut_locus: boolean;
   }>;
   /** Of the points; of a closed curve the first one's again, after a whole round. */
   parameters?: number[];
@@ -737,6 +741,8 @@ export type WedgesAnswer = {
     sigma: number;
     /** Whether the pseudo-source lies to the left of the edge from its lower vertex. */
     tau: boolean;
+    /** Of a segment of a curve, which is seen at right angles all along: the distance grows evenly from d0 to d1. Else it is left out. */
+    linear?: true;
     /** The pseudo-source, a vertex of the mesh or a member of the set. */
     source: {
       vertex?: Index;
@@ -923,9 +929,9 @@ export type LimitEvaluateRequest = {
 export type LimitEvaluateAnswer = {
   points?: Array<{
     xyz?: Vector;
-    normal?: Vector;
-    du?: Vector;
-    dv?: Vector;
+    normal?: (Vector | null);
+    du?: (Vector | null);
+    dv?: (Vector | null);
     duu?: (Vector | null);
     duv?: (Vector | null);
     dvv?: (Vector | null);
@@ -964,9 +970,16 @@ export type LimitTraceAnswer = {
   paths?: Array<{
     length: number;
     points?: LimitPoints;
-    end_direction: Direction;
+    end_direction: LimitDirection;
     end_reason: ("length" | "boundary" | "singular" | "step_limit");
   }>;
+};
+
+/** A direction at a place, in both forms. Zero is that of the face's first edge (du). */
+export type LimitDirection = {
+  /** `null`: the surface has no normal there. */
+  angle: (number | null);
+  xyz: Vector;
 };
 
 export type LimitPoints = (LimitPoint | Vector)[];

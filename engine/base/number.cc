@@ -4,9 +4,12 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "base/shortest.h"
 
@@ -47,8 +50,31 @@ static bool is_tiny(const char *at, const char *end)
     return exponent < 0;
 }
 
+#define EXACT_DIGITS                                                                                                   \
+    15 /* whole numbers and powers of ten of so many are doubles, and one division of the two rounds correctly */
+
+/* Reads "-0.25" and the like: digits, a point, digits, not many of them, and nothing behind them that might belong to the number. NULL: it is
+ * something else. */
+static const char *parse_short(const char *at, const char *end, double *out)
+{
+    static const double tens[EXACT_DIGITS + 1] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                  1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+    const bool is_negative = at < end && *at == '-';
+    const char *const first = at + is_negative;
+    int64_t digits = 0;
+    for (at = first; at < end && is_digit(*at) && at - first < EXACT_DIGITS; at++) digits = 10 * digits + (*at - '0');
+    if (at == first || end - at < 2 || *at != '.') return nullptr;
+    const char *const point = at++;
+    for (; at < end && is_digit(*at) && at - first <= EXACT_DIGITS; at++) digits = 10 * digits + (*at - '0');
+    if (at == point + 1 || (at < end && (is_digit(*at) || (*at | 0x20) == 'e'))) return nullptr;
+    *out = (double)(is_negative ? -digits : digits) / tens[at - point - 1];
+    if (is_negative && !digits) *out = -0.0;
+    return at;
+}
+
 const char *gd_number_parse(const char *at, const char *end, double *out)
 {
+    if (const char *behind = parse_short(at, end, out)) return behind;
     if (end - at > 1 && *at == '+' && (is_digit(at[1]) || at[1] == '.')) at++;
     const std::from_chars_result result = std::from_chars(at, end, *out);
     if (result.ec == std::errc::invalid_argument) return nullptr;
@@ -63,96 +89,96 @@ const char *gd_number_parse(const char *at, const char *end, double *out)
 
 #define DIGITS 17 /* of any shortest decimal, at most */
 
-static const uint64_t tens[DIGITS + 1] = {1,
-                                          10,
-                                          100,
-                                          1000,
-                                          10000,
-                                          100000,
-                                          1000000,
-                                          10000000,
-                                          100000000,
-                                          1000000000,
-                                          10000000000,
-                                          100000000000,
-                                          1000000000000,
-                                          10000000000000,
-                                          100000000000000,
-                                          1000000000000000,
-                                          10000000000000000,
-                                          100000000000000000};
+#ifdef __SSE2__
 
-static int count_digits(uint64_t value)
+/* Writes the digits of a number below 10^16, leading zeros included; returns how many there are without zeros behind the last one that counts.
+ * Halves, quarters and so on stand beside each other in one register. */
+static int put16(char *to, uint64_t value)
 {
-    const int guess = (64 - __builtin_clzll(value)) * 1233 >> 12; /* 1233/4096 is log10(2) */
-    return guess + (value >= tens[guess]);
+    const __m128i halves = _mm_set_epi64x((int64_t)(value % 100000000), (int64_t)(value / 100000000));
+    const __m128i upper4 = _mm_srli_epi64(_mm_mul_epu32(halves, _mm_set1_epi64x(3518437209)), 45); /* / 10000 */
+    const __m128i lower4 = _mm_sub_epi32(halves, _mm_mul_epu32(upper4, _mm_set1_epi64x(10000)));
+    const __m128i fours = _mm_or_si128(upper4, _mm_slli_epi64(lower4, 32));
+    const __m128i upper2 = _mm_srli_epi16(_mm_mulhi_epu16(fours, _mm_set1_epi32(5243)), 3); /* / 100 */
+    const __m128i lower2 = _mm_sub_epi16(fours, _mm_mullo_epi16(upper2, _mm_set1_epi32(100)));
+    const __m128i twos = _mm_or_si128(upper2, _mm_slli_epi32(lower2, 16));
+    const __m128i upper = _mm_mulhi_epu16(twos, _mm_set1_epi16(6554)); /* / 10 */
+    const __m128i lower = _mm_sub_epi16(twos, _mm_mullo_epi16(upper, _mm_set1_epi16(10)));
+    const __m128i digits = _mm_or_si128(upper, _mm_slli_epi16(lower, 8));
+    const unsigned counting = (unsigned)_mm_movemask_epi8(_mm_cmpgt_epi8(digits, _mm_setzero_si128()));
+    _mm_storeu_si128((__m128i *)to, _mm_add_epi8(digits, _mm_set1_epi8('0')));
+    return counting ? 32 - __builtin_clz(counting) : 0;
 }
 
-/* Writes eight digits, leading zeros included: halves, quarters, eighths, each beside the others in one word. */
-static void put8(char *to, uint32_t value)
+#else
+
+static int put16(char *to, uint64_t value)
 {
-    static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the first digit is the lowest byte");
-    uint64_t parts = value / 10000 | (uint64_t)(value % 10000) << 32;
-    uint64_t upper = (parts * 10486 >> 20) & 0x0000007f0000007f; /* each part / 100 */
-    parts = upper | (parts - 100 * upper) << 16;
-    upper = (parts * 103 >> 10) & 0x000f000f000f000f; /* each part / 10 */
-    parts = (upper | (parts - 10 * upper) << 8) + 0x3030303030303030;
-    std::memcpy(to, &parts, sizeof parts);
+    int count = 0;
+    for (int i = 15; i >= 0; i--, value /= 10) {
+        to[i] = (char)('0' + value % 10);
+        if (!count && to[i] != '0') count = i + 1;
+    }
+    return count;
 }
 
-/* The significant digits of a number 0.DIGITS x 10^point. */
-struct significant {
-    uint64_t digits; /* DIGITS of them, zeros behind the last one that counts */
-    int count, point;
-};
+#endif
 
-static significant significant_of(double magnitude)
+/* Writes all DIGITS; returns how many of them count. */
+static int put_digits(char *to, uint64_t digits)
 {
-    const gd::decimal decimal = gd::shortest(magnitude);
-    const int count = count_digits(decimal.digits);
-    return {decimal.digits * tens[DIGITS - count], count, count + decimal.exponent};
-}
-
-/* Writes all DIGITS. */
-static void put_digits(char *to, uint64_t digits)
-{
-    *to = (char)('0' + digits / tens[16]);
-    digits %= tens[16];
-    put8(to + 1, (uint32_t)(digits / tens[8]));
-    put8(to + 9, (uint32_t)(digits % tens[8]));
+    const uint64_t first = digits / 10000000000000000;
+    *to = (char)('0' + first);
+    return 1 + put16(to + 1, digits - first * 10000000000000000);
 }
 
 /* Writes the digits with a point behind the first `whole` ones, if any are left behind it. */
-static char *put_pointed(char *to, const significant &number, int whole)
+static char *put_pointed(char *to, uint64_t digits, int whole)
 {
-    put_digits(to + 1, number.digits);
+    const int count = put_digits(to + 1, digits);
     std::memmove(to, to + 1, (size_t)whole);
     to[whole] = '.';
-    return to + (number.count > whole ? number.count + 1 : whole);
+    return to + (count > whole ? count + 1 : whole);
 }
 
-static char *put_scientific(char *to, const significant &number)
+static char *put_scientific(char *to, const struct gd_decimal *number)
 {
-    to = put_pointed(to, number, 1);
+    to = put_pointed(to, number->digits, 1);
     *to++ = 'e';
-    return std::to_chars(to, to + 4, number.point - 1).ptr;
+    return std::to_chars(to, to + 4, number->point - 1).ptr;
 }
 
-static char *put_plain(char *to, const significant &number)
+static char *put_plain(char *to, const struct gd_decimal *number)
 {
-    if (number.point > 0) return put_pointed(to, number, number.point);
-    std::memcpy(to, "0.00000", 7);
-    put_digits(to + 2 - number.point, number.digits);
-    return to + 2 - number.point + number.count;
+    if (number->point > 0) return put_pointed(to, number->digits, number->point);
+    std::memcpy(to, "0.00000", 8);
+    to += 2 - number->point;
+    return to + put_digits(to, number->digits);
+}
+
+void gd_decimals(const double *values, size_t count, struct gd_decimal *out)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double magnitude = std::fabs(values[i]);
+        const gd::decimal found = magnitude ? gd::shortest(magnitude) : gd::decimal{0, 0};
+        out[i] = {found.digits, found.point, std::signbit(values[i])};
+    }
+}
+
+char *gd_decimal_format(char *at, const struct gd_decimal *number)
+{
+    *at = '-';
+    at += number->is_negative;
+    if (!number->digits) {
+        *at++ = '0';
+        return at;
+    }
+    return number->point < -5 || number->point > DIGITS ? put_scientific(at, number) : put_plain(at, number);
 }
 
 char *gd_number_format(char *at, double value)
 {
-    if (std::signbit(value)) *at++ = '-';
-    if (value == 0) {
-        *at++ = '0';
-        return at;
-    }
-    const significant number = significant_of(std::fabs(value));
-    return number.point < -5 || number.point > DIGITS ? put_scientific(at, number) : put_plain(at, number);
+    struct gd_decimal number;
+    gd_decimals(&value, 1, &number);
+    return gd_decimal_format(at, &number);
 }

@@ -1,10 +1,11 @@
 /* See shortest.h.
  *
- * Schubfach: R. Giulietti, "The Schubfach way to render doubles" (2021). A double c 2^q is what all reals of an interval about it are
- * rounded to. With the greatest power of ten that is not longer than the interval as unit, the interval holds one or two multiples of
- * the unit, and perhaps one of ten units. Which of them it holds is decided by scaling value and interval's ends to the unit in 64
- * bits: a product with a power of ten of 126 bits or more is right whenever the comparison is not with an integer, and a bit that
- * says that something was cut off (rounding to odd) keeps it right there too (section 9.9).
+ * Dragonbox: J. Jeon, "Dragonbox: a new floating-point binary-to-decimal conversion algorithm" (2022), a descendant of R. Giulietti's
+ * Schubfach (2021). A double c 2^q is what all reals of an interval about it are rounded to. Scaled by a power of ten, so that it is
+ * 100 to 1000 units long, the interval may hold a multiple of 1000 units: that is the shortest decimal then, else the multiple of 100
+ * units that is nearest to the double is. The whole part of the interval's scaled upper end, which takes one product with a power of
+ * 128 bits, tells both, unless a remainder is just that of the other end, or of the middle: then the parity of their whole
+ * parts decides, for there are but two candidates.
  *
  * The powers are computed exactly when this is compiled. */
 #include "base/shortest.h"
@@ -21,11 +22,11 @@ struct power { /* high 2^64 + low: 10^k scaled to 128 bits, rounded up */
     std::uint64_t high, low;
 };
 
-constexpr int LEAST = -292, MOST = 324; /* exponents of ten that doubles need */
+constexpr int LEAST = -292, MOST = 326; /* exponents of ten that doubles need */
 
 /* --- powers of ten ------------------------------------------------------------------------------------------------ */
 
-constexpr int WORDS = 14; /* 896 bits: 5^324 takes 753, and 128 are left of 2^895 / 5^292 */
+constexpr int WORDS = 14; /* 896 bits: 5^326 takes 757, and 128 are left of 2^895 / 5^292 */
 
 /* A big integer, from its least significant word on. */
 struct big {
@@ -98,7 +99,7 @@ constexpr std::array<power, MOST - LEAST + 1> powers = make_powers();
 
 /* --- scaling ------------------------------------------------------------------------------------------------------ */
 
-/* floor(log10(2^q)), or of 3/4 2^q; floor(log2(10^k)). Right for all exponents of doubles (sections 9.7 and 9.8). */
+/* floor(log10(2^q)), or of 3/4 2^q; floor(log2(10^k)). Right for all exponents of doubles. */
 inline int log10_of_2(int q, bool is_less)
 {
     return (q * 1262611 - (is_less ? 524031 : 0)) >> 22;
@@ -109,42 +110,95 @@ inline int log2_of_10(int k)
     return (k * 1741647) >> 19;
 }
 
-/* floor(power x / 2^128), with the last bit set if something was cut off. */
-inline std::uint64_t scale(const power &power, std::uint64_t x)
+struct product {
+    std::uint64_t whole; /* part of a power times x / 2^128 */
+    bool is_whole;       /* nothing is cut off */
+};
+
+inline product multiply(const power &power, std::uint64_t x)
 {
-    const wide low = wide(power.low) * x, high = wide(power.high) * x + std::uint64_t(low >> 64);
-    return std::uint64_t(high >> 64) | (std::uint64_t(high) > 1);
+    const wide upper = wide(power.high) * x + std::uint64_t(wide(power.low) * x >> 64);
+    return {std::uint64_t(upper >> 64), std::uint64_t(upper) == 0};
+}
+
+struct parity {
+    bool is_odd;   /* the whole part of a power times x / 2^(128 - shift) */
+    bool is_whole; /* nothing is cut off */
+};
+
+inline parity find_parity(const power &power, std::uint64_t x, int shift)
+{
+    const wide lower = (wide(power.high * x) << 64) + wide(power.low) * x;
+    const std::uint64_t high = std::uint64_t(lower >> 64), low = std::uint64_t(lower);
+    return {bool(high >> (64 - shift) & 1), (high << shift | low >> (64 - shift)) == 0};
 }
 
 /* --- the search --------------------------------------------------------------------------------------------------- */
 
-/* Value and interval's ends in quarters of the unit. */
-struct scaled {
-    std::uint64_t low, value, high;
-};
+constexpr std::uint64_t E15 = 1000000000000000, E16 = 10 * E15;
 
-/* The multiple of the unit that is the answer. */
-inline std::uint64_t choose(const scaled &scaled)
+/* One or the other without a branch, which would be as good as random here. */
+inline std::uint64_t select(bool condition, std::uint64_t yes, std::uint64_t no)
 {
-    const std::uint64_t below = scaled.value / 4, middle = 4 * below + 2;
-    const bool has_below = scaled.low <= 4 * below, has_above = 4 * below + 4 <= scaled.high;
-    if (has_below != has_above) return below + has_above;
-    return below + (scaled.value > middle || (scaled.value == middle && (below & 1)));
+    return no ^ ((yes ^ no) & -std::uint64_t(condition));
 }
 
-/* The multiple of ten units, in tens, that the interval holds; 0: none, or two. */
-inline std::uint64_t choose_ten(const scaled &scaled)
+/* Makes 17 digits of fewer. */
+inline gd::decimal with_zeros(std::uint64_t digits, int exponent)
 {
-    const std::uint64_t below = scaled.value / 40;
-    const bool has_below = scaled.low <= 40 * below, has_above = 40 * below + 40 <= scaled.high;
-    return has_below != has_above ? below + has_above : 0;
+    while (digits < E15) digits *= 10, exponent--; /* of the smallest doubles, and of powers of two */
+    const bool has_16 = digits < E16;
+    return {select(has_16, 10 * digits, digits), exponent - has_16 + 17};
 }
 
-inline gd::decimal without_zeros(gd::decimal decimal)
+inline bool is_rare(bool condition)
 {
-    while (decimal.digits % 100000000 == 0) decimal = {decimal.digits / 100000000, decimal.exponent + 8};
-    while (decimal.digits % 10 == 0) decimal = {decimal.digits / 10, decimal.exponent + 1};
-    return decimal;
+    return __builtin_expect(condition, 0);
+}
+
+/* Of an interval that reaches as far down as up. Its ends belong to it if c is even. */
+inline gd::decimal search(std::uint64_t c, int q)
+{
+    const int k = log10_of_2(q, false) - 2, shift = q + log2_of_10(-k);
+    const power &power = powers[-k - LEAST];
+    const bool is_even = !(c & 1);
+    const std::uint32_t length =
+        std::uint32_t(power.high >> (63 - shift)); /* in units, rounded down, as is half of it */
+    const product upper = multiply(power, (2 * c + 1) << shift);
+    std::uint64_t thousands = upper.whole / 1000;
+    std::uint32_t rest = std::uint32_t(upper.whole - 1000 * thousands);
+    bool is_thousands = rest < length;
+    if (is_rare(rest == length)) {
+        const parity lower = find_parity(power, 2 * c - 1, shift);
+        is_thousands = lower.is_odd || (lower.is_whole && is_even);
+    } else if (is_rare(rest == 0 && upper.is_whole &&
+                       !is_even)) { /* the upper end itself, which does not belong to it */
+        thousands--;
+        rest = 1000;
+        is_thousands = false;
+    }
+    const std::uint32_t distance = rest - length / 2 + 50, hundreds = distance / 100;
+    std::uint64_t nearest = 10 * thousands + hundreds;
+    if (is_rare(hundreds * 100 == distance && !is_thousands)) { /* just above the middle of two, in it, or just below */
+        const parity middle = find_parity(power, 2 * c, shift);
+        const bool is_below = middle.is_odd != bool((distance ^ 50) & 1);
+        nearest -= is_below || (middle.is_whole && (nearest & 1));
+    }
+    return with_zeros(select(is_thousands, 10 * thousands, nearest), k + 2);
+}
+
+/* Of 2^(q + 52), whose interval reaches only half as far down; it is 1 to 10 units long here. */
+inline gd::decimal search_close(int q)
+{
+    const int k = log10_of_2(q, true), shift = q + log2_of_10(-k);
+    const power &power = powers[-k - LEAST];
+    const bool has_whole_end = q == 2 || q == 3, is_tie = q == -77;
+    const std::uint64_t least = ((power.high - (power.high >> 54)) >> (11 - shift)) + !has_whole_end;
+    const std::uint64_t most = (power.high + (power.high >> 53)) >> (11 - shift);
+    const std::uint64_t nearest = ((power.high >> (10 - shift)) + 1) / 2, tens = most / 10 * 10;
+    if (tens >= least) return with_zeros(tens, k);
+    if (is_tie && (nearest & 1)) return with_zeros(nearest - 1, k);
+    return with_zeros(nearest + (nearest < least), k);
 }
 
 } // namespace
@@ -155,13 +209,7 @@ gd::decimal gd::shortest(double value)
     std::memcpy(&bits, &value, sizeof bits);
     const std::uint64_t fraction = bits & ((std::uint64_t(1) << 52) - 1);
     const int biased = int(bits >> 52);
-    const std::uint64_t c = biased ? fraction | std::uint64_t(1) << 52 : fraction;
-    const int q = (biased ? biased : 1) - 1075;
-    const bool is_odd = c & 1, is_close = fraction == 0 && biased > 1; /* to the double below, whose binade is finer */
-    const int k = log10_of_2(q, is_close), shift = q + log2_of_10(-k) + 1;
-    const power &power = powers[-k - LEAST];
-    const scaled scaled = {scale(power, (4 * c - 2 + is_close) << shift) + is_odd, scale(power, 4 * c << shift),
-                           scale(power, (4 * c + 2) << shift) - is_odd};
-    if (const std::uint64_t tens = choose_ten(scaled)) return without_zeros({tens, k + 1});
-    return without_zeros({choose(scaled), k});
+    if (is_rare(!biased)) return search(fraction, -1074);
+    return is_rare(!fraction && biased > 1) ? search_close(biased - 1075)
+                                            : search(fraction | std::uint64_t(1) << 52, biased - 1075);
 }

@@ -8,10 +8,10 @@
 namespace gd
 {
 
-/* digits x 10^exponent. */
+/* 0.DIGITS x 10^point. */
 struct decimal {
-    std::uint64_t digits; /* at most 17 of them, the last one not 0 */
-    int exponent;
+    std::uint64_t digits; /* 17 of them, the first one not 0; zeros behind the last one that counts */
+    int point;
 };
 
 /* Of a positive finite double. Thread-safe, some 10 ns. */

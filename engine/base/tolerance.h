@@ -193,7 +193,8 @@
 /* A path through a pole is straight there, and so a geodesic, when its direction changes by less than this: the length is off by the square. */
 #define GD_TOL_POLE_BEND 1e-6
 
-/* Geodesics of a subdivision surface: the error of an integration step relative to the patch and the speed, a few hundred times rounding; */
+/* Geodesics of a subdivision surface: the error of an integration step relative to the patch and the speed, a few hundred times rounding; towards a spike, where the derivatives
+ * become parallel, over the sine of their angle; */
 #define GD_TOL_GEODESIC 1e-13
 
 /* ... how far beyond the border of a patch, relative to it, a path that runs along the border counts as inside: the polynomial goes on there, and is off by the
@@ -203,6 +204,10 @@
 /* ... and a vertex this near, relative to the surface's extent, is met: that moves the path no more. */
 #define GD_TOL_VERTEX 1e-11
 
+/* Two directions from a corner of a limit surface whose cross product is shorter than this part of them are one, and there is no normal: where there is one, what lies across is after the last
+ * halving more than that of what lies along, however many faces meet. */
+#define GD_TOL_SPIKE 1e-10
+
 /* A foot on a limit surface is found when Newton's step is this small in the face's coordinates. */
 #define GD_TOL_FOOT 1e-14
 
@@ -211,5 +216,13 @@
 #define GD_TOL_BESIDE_SHOT 1e-6
 #define GD_TOL_SHOT        1e-11
 #define GD_TOL_SAME_WAY    0.1
+
+/* Gaps between neighbouring strips of a segment's profile are narrower than this part of it: 2^-32 of an edge, seen at a slant. */
+#define GD_TOL_GAP 1e-6
+
+/* Two paths to a point that come from directions this far apart, in radians, are two: those round both sides of a vertex that they all but pass through differ by less. The point lies on the
+ * cut locus if it is no farther from it than this part of its distance: what rounding leaves of a tie. */
+#define GD_TOL_CUT_ANGLE 1e-3
+#define GD_TOL_CUT       1e-10
 
 #endif

@@ -202,14 +202,22 @@ static bool may_cover(const struct gd__source *source, double level, const struc
     return !source->has_sector || (dot(source->left, v) >= -probe->reach && dot(source->right, u) >= -probe->reach);
 }
 
+/* Do two sources reach the level from opposite sides where they tie? Neither one's place is within the level of the other then. */
+static bool face_each_other(const struct gd__source *a, const struct gd__source *b, double level)
+{
+    if (a->linear && b->linear) return dot(a->gradient, b->gradient) < 0;
+    return (a->linear || gd__source_distance(b, a->at) >= level) &&
+           (b->linear || gd__source_distance(a, b->at) >= level);
+}
+
 /* Whether source k counts where it ties with source i. A linear one does, whose line a circle touches where its segment ends, so that they join there
- * and not somewhere close by. Two lines that face each other may tie all along a ridge of the level's height: both count, and go there and back. Else
- * the source that comes first does. */
-static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i)
+ * and not somewhere close by. Two that face each other touch in a place, or two lines all along a ridge of the level's height: neither covers the
+ * other there. Else the source that comes first counts. */
+static bool takes_tie(const struct gd__sources *sources, uint32_t k, uint32_t i, double level)
 {
     const struct gd__source *a = &sources->source[k], *b = &sources->source[i];
-    if (a->linear != b->linear) return a->linear;
-    return k < i && (!a->linear || dot(a->gradient, b->gradient) >= 0);
+    if (face_each_other(a, b, level)) return false;
+    return a->linear == b->linear ? k < i : a->linear;
 }
 
 /* Covers what others see of the span. */
@@ -221,7 +229,7 @@ static enum gd_status cover_by_others(const struct gd__sources *sources, uint32_
     enum gd_status status = GD_OK;
     for (uint32_t k = 0; k < sources->count && !status; k++) {
         const struct gd__source *other = &sources->source[k];
-        double most = level + (takes_tie(sources, k, i) ? slack : -slack);
+        double most = level + (takes_tie(sources, k, i, level) ? slack : -slack);
         if (k == i || !may_cover(other, most, &probe)) continue;
         struct gd__turn seen = seen_by(circle, other, most);
         status = gd__spans_put(covered, &seen, 0);

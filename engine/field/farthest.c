@@ -293,11 +293,38 @@ static enum gd_status search_face(struct search *search, uint32_t face)
     return GD_OK;
 }
 
+/* Has no seed of a partial field come too late, or reached no corner of its face? */
+static bool is_heard_of_all_seeds(const struct gd_field *field)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    for (uint32_t i = 0; i < field->face_seed_count; i++)
+        if (field->distance[mesh->origin[mesh->face_side[field->face_seeds[i].face][0]]] >= GD__FAR) return false;
+    for (uint32_t i = 0; i < field->seed_count; i++) {
+        const struct gd_point *point = &field->seeds[i].point;
+        if (point->kind == GD_POINT_VERTEX && field->distance[point->element] >= GD__FAR) return false;
+    }
+    return true;
+}
+
+/* Does the reach of a partial field hold all that paths lead to? From one corner at least of a face that it holds in part, some of the face may lie
+ * beyond. */
+static bool is_within_reach(const struct search *search)
+{
+    const struct gd_field *field = search->field;
+    const struct gd_mesh *mesh = field->mesh;
+    if (field->reach >= GD__FAR) return true;
+    for (uint32_t face = 0; face < mesh->face_count; face++) {
+        double most = most_in_face(search, face);
+        if (most > field->reach && most < GD__FAR) return false;
+    }
+    return is_heard_of_all_seeds(field);
+}
+
 enum gd_status gd_field_farthest(const struct gd_field *field, const struct gd_control *control, struct gd_point *point,
                                  double *distance)
 {
-    if (field->reach < GD__FAR) return GD_BEYOND_REACH;
     struct search search = {.field = field, .mesh = field->mesh};
+    if (!is_within_reach(&search)) return GD_BEYOND_REACH;
     take_farthest_vertex(&search);
     enum gd_status status = gd_control_check(control, 0);
     if (!status) status = find_candidates(&search);

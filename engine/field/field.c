@@ -109,6 +109,11 @@ enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const str
                                                      .vertices_emitted = front->effort.vertices_emitted};
     field->reach = front->bound;
     struct gd_workspace *work = front->work;
+    if (front->near) {
+        field->distance = front->distance;
+        front->near->distance = NULL;
+        return GD_OK;
+    }
     field->distance = work->distance;
     field->birth = work->birth;
     field->newest = work->newest;

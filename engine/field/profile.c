@@ -196,13 +196,34 @@ struct gd__profile_place gd__profile_least(const struct gd__profile *profile)
     return least;
 }
 
+/* What a window says of a place beside it: the distance changes no faster than one goes. */
+static double at_most(const struct gd__window *w, double t)
+{
+    double end = t < w->b0 ? w->b0 : fmin(t, w->b1);
+    return gd__window_distance(w, end) + fabs(t - end);
+}
+
+/* The distance at an end of window i. Strips that lines see side by side have gaps between them, as their ends are stored to a unit; what a gap shows is
+ * a source farther away, which the windows beside it contradict. */
+static double distance_at_end(const struct gd__profile *profile, uint32_t i, double t)
+{
+    const struct gd__window *w = profile->windows.windows;
+    double narrow = GD_TOL_GAP * profile->length, distance = gd__window_distance(&w[i], t), width = 0;
+    for (uint32_t j = i; j-- > 0 && width <= narrow; width = w[j].b1 - w[j].b0)
+        distance = fmin(distance, at_most(&w[j], t));
+    width = 0;
+    for (uint32_t j = i + 1; j < profile->windows.count && width <= narrow; width = w[j].b1 - w[j].b0, j++)
+        distance = fmin(distance, at_most(&w[j], t));
+    return distance;
+}
+
 struct gd__profile_place gd__profile_greatest(const struct gd__profile *profile)
 {
     struct gd__profile_place greatest = {-1, 0};
     for (uint32_t i = 0; i < profile->windows.count; i++) {
         const struct gd__window *w = &profile->windows.windows[i];
         for (int end = 0; end < 2; end++) {
-            double t = end ? w->b1 : w->b0, distance = gd__window_distance(w, t);
+            double t = end ? w->b1 : w->b0, distance = distance_at_end(profile, i, t);
             if (distance > greatest.distance) greatest = (struct gd__profile_place){distance, t};
         }
     }

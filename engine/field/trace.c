@@ -375,6 +375,7 @@ static struct stop go_by_leg(struct trace *trace, const struct gd__leg *leg)
 static void trace_back(struct trace *trace, const struct gd_point *point, const struct gd__leg *first, uint32_t *seed)
 {
     append(trace, *point, 0);
+    if (trace->status) return; /* what follows looks at the last point */
     struct stop stop = point->kind == GD_POINT_VERTEX ? stop_at(*point) : go_by_leg(trace, first);
     while (stop.kind != STOP_SEED && !trace->status) {
         if (!trace->steps_left--) {

@@ -220,6 +220,7 @@ enum gd_status gd__edge_switch(struct gd__diagram *diagram, uint32_t edge, struc
     double length = diagram->mesh->side[2 * edge].length;
     uint32_t owner = diagram->owner[end_of(diagram, edge, 0)];
     enum gd_status status = find_envelope(diagram, edge, scratch);
+    if (status) return status;
     drop_ends(diagram, edge, &scratch->envelope);
     double reached = 0;
     for (uint32_t i = 0; i < scratch->envelope.count && !status; i++) {

@@ -59,7 +59,7 @@ static double panel_length(const struct gd__chain *chain, const struct gd__piece
     const double *knot = piece->knots + chain->degree + span, width = (knot[1] - knot[0]) / PANELS;
     const struct gd__gauss *rule = gd__gauss(GD__GAUSS_LEAST);
     double sum = 0;
-    for (int i = 0; i < PANELS * GD__GAUSS_LEAST; i++) {
+    for (int i = 0; i < PANELS * GD__GAUSS_LEAST && gd__watch_step(chain->watch); i++) {
         struct gd__curve_jet c;
         struct gd_jet x;
         double t = knot[0] + (i / GD__GAUSS_LEAST + rule->node[i % GD__GAUSS_LEAST]) * width;
@@ -98,13 +98,20 @@ static void set_end(const struct gd__chain *chain, int side, double *parameter, 
     const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
     *parameter = 0;
     *angle = M_PI_2;
-    if (joint->kind != GD__JOINT_CURVE) return;
+    if (!joint->curve) return;
     struct gd__curve_jet c;
     struct gd_jet x;
-    gd__joint_jet(joint, joint->at, &c);
-    struct gd_vec3 path = gd__chain_velocity(chain, side, &x), curve = gd__velocity(&x, c.first);
-    double turns;
-    *parameter = gd__curve_reduce(joint->curve, joint->at, &turns);
+    bool is_pole = joint->kind == GD__JOINT_LINE;
+    double turns, at = is_pole ? joint->passes : joint->at;
+    struct gd_vec3 path = gd__chain_velocity(chain, side, &x);
+    if (is_pole) {
+        gd__curve_jet(joint->curve, at, &c);
+        gd__surface_at(chain->surface, c.at, &x);
+    } else {
+        gd__joint_jet(joint, at, &c);
+    }
+    struct gd_vec3 curve = gd__velocity(&x, c.first);
+    *parameter = gd__curve_reduce(joint->curve, at, &turns);
     *angle = atan2(gd_vec3_length(gd_vec3_cross(path, curve)), gd_vec3_dot(path, curve));
 }
 
@@ -128,11 +135,13 @@ enum gd_status gd__answer_make(const struct gd__way *way, struct gd_geodesic *ou
 {
     struct gd_geodesic answer = {0};
     enum gd_status status = copy_pieces(way, &answer);
+    const struct gd__watch *watch = way->part[0].chain->watch;
+    if (!status) measure(way, &answer);
+    if (!status) status = watch->status;
     if (status) {
         geodesic_free(&answer);
         return status;
     }
-    measure(way, &answer);
     set_end(way->part[0].chain, 0, &answer.from_parameter, &answer.from_angle);
     set_end(way->part[way->parts - 1].chain, 1, &answer.to_parameter, &answer.to_angle);
     set_verdict(way, &answer);
@@ -158,6 +167,10 @@ enum gd_status gd_geodesic_sample(const struct gd_parametric *surface, const str
         double place = (double)i / (count - 1) * geodesic->piece_count, at[2];
         uint32_t piece = place < geodesic->piece_count ? (uint32_t)place : geodesic->piece_count - 1;
         piece_place(&geodesic->pieces[piece], place - piece, at);
+        for (int k = 0; k < 2; k++) { /* rounding leads no farther than the border */
+            const struct gd_axis *axis = surface->axis[k];
+            if (!axis->closed) at[k] = fmin(fmax(at[k], axis->low), axis->high);
+        }
         if (uv) memcpy(uv[i], at, sizeof at);
         if (xyz) xyz[i] = gd__surface_position(surface, at);
     }

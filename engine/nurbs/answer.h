@@ -4,7 +4,7 @@
 
 #include "nurbs/way.h"
 
-/* GD_NO_MEMORY. */
+/* GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. */
 GD_MUST_USE enum gd_status gd__answer_make(const struct gd__way *way, struct gd_geodesic *out);
 
 #endif

@@ -1,5 +1,6 @@
 #include "nurbs/chain.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,13 +28,13 @@ static char *carve(char **at, size_t bytes)
     return begin;
 }
 
-struct gd__chain *gd__chain_create(const struct gd_parametric *surface, uint32_t degree, uint32_t piece_count,
-                                   const uint32_t *spans)
+struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch, uint32_t degree,
+                                   uint32_t piece_count, const uint32_t *spans)
 {
     char *at = calloc(1, gd__chain_bytes(degree, piece_count, spans));
     if (!at) return NULL;
     struct gd__chain *chain = (void *)carve(&at, sizeof *chain);
-    *chain = (struct gd__chain){.surface = surface, .degree = degree, .piece_count = piece_count};
+    *chain = (struct gd__chain){.surface = surface, .degree = degree, .piece_count = piece_count, .watch = watch};
     chain->pieces = (void *)carve(&at, piece_count * sizeof *chain->pieces);
     chain->joints = (void *)carve(&at, (piece_count + 1) * sizeof *chain->joints);
     for (uint32_t i = 0; i < piece_count; i++) {
@@ -148,6 +149,20 @@ struct gd_vec3 gd__chain_velocity(const struct gd__chain *chain, int side, struc
     return gd__velocity(x, c.first);
 }
 
+double gd__chain_rounding(const struct gd__chain *chain)
+{
+    double sum = 0;
+    for (int side = 0; side < 2; side++) {
+        const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
+        struct gd__curve_jet c;
+        struct gd_jet x;
+        gd__joint_jet(joint, joint->at, &c);
+        gd__piece_jet(chain, &chain->pieces[side ? chain->piece_count - 1 : 0], c.at, &x);
+        sum += 0.5 * DBL_EPSILON * (fabs(c.at[0]) * gd_vec3_length(x.u) + fabs(c.at[1]) * gd_vec3_length(x.v));
+    }
+    return sum;
+}
+
 uint32_t gd__chain_spans(const struct gd__chain *chain)
 {
     uint32_t spans = 0;
@@ -194,7 +209,7 @@ struct gd__chain *gd__chain_refine(const struct gd__chain *chain, const bool *ma
         spans[i] = chain->pieces[i].spans;
         for (uint32_t k = 0; k < chain->pieces[i].spans; k++) spans[i] += *mark++;
     }
-    struct gd__chain *finer = gd__chain_create(chain->surface, chain->degree, chain->piece_count, spans);
+    struct gd__chain *finer = gd__chain_create(chain->surface, chain->watch, chain->degree, chain->piece_count, spans);
     free(spans);
     if (!finer) return NULL;
     memcpy(finer->joints, chain->joints, (chain->piece_count + 1) * sizeof *chain->joints);

@@ -16,6 +16,7 @@
 #include "gd/geodesic_like.h"
 #include "nurbs/curve.h"
 #include "nurbs/gauss.h"
+#include "nurbs/watch.h"
 
 #define GD__CHAIN_DEGREE_MOST GD_GEODESIC_DEGREE_MOST
 #define GD__CHAIN_ORDER_MOST  (GD__CHAIN_DEGREE_MOST + 1)
@@ -32,9 +33,9 @@ struct gd__joint {
     const struct gd_domain_curve *curve;
     uint32_t interval;
     bool whole;
-    /* LINE: coordinate `axis` is `value`. */
+    /* LINE: coordinate `axis` is `value`. In a pole that a curve (`curve`, else NULL) passes: the curve's parameter there. */
     int axis;
-    double value;
+    double value, passes;
 };
 
 /* The functions that do not vanish at a quadrature node. */
@@ -56,6 +57,7 @@ struct gd__chain {
     uint32_t degree, piece_count;
     struct gd__piece *pieces;
     struct gd__joint *joints; /* piece_count + 1 */
+    struct gd__watch *watch;  /* borrowed: what goes through all spans looks at it */
 };
 
 static inline uint32_t gd__piece_points(const struct gd__chain *chain, const struct gd__piece *piece)
@@ -69,8 +71,8 @@ static inline int gd__chain_gauss(const struct gd__chain *chain)
 }
 
 /* A chain with room for pieces of so many spans each, in one block: even knots, points zero. NULL: no memory. Free it by free(). */
-struct gd__chain *gd__chain_create(const struct gd_parametric *surface, uint32_t degree, uint32_t piece_count,
-                                   const uint32_t *spans);
+struct gd__chain *gd__chain_create(const struct gd_parametric *surface, struct gd__watch *watch, uint32_t degree,
+                                   uint32_t piece_count, const uint32_t *spans);
 
 /* Bytes of such a chain. */
 size_t gd__chain_bytes(uint32_t degree, uint32_t piece_count, const uint32_t *spans);
@@ -98,6 +100,9 @@ void gd__piece_jet(const struct gd__chain *chain, const struct gd__piece *piece,
 
 /* Velocity in space at the beginning (side 0) or the end (1) of a chain, and the place. */
 struct gd_vec3 gd__chain_velocity(const struct gd__chain *chain, int side, struct gd_jet *x);
+
+/* How far the chain's ends may be off because their coordinates are rounded, in sum. */
+double gd__chain_rounding(const struct gd__chain *chain);
 
 /* Total number of spans. */
 uint32_t gd__chain_spans(const struct gd__chain *chain);

@@ -1,11 +1,13 @@
 #include "nurbs/curve.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/tolerance.h"
 #include "nurbs/bspline.h"
+#include "nurbs/watch.h"
 
 double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *turns)
 {
@@ -15,6 +17,14 @@ double gd__curve_reduce(const struct gd_domain_curve *curve, double s, double *t
     double period = curve->high - curve->low;
     *turns = floor((s - curve->low) / period);
     return fmin(fmax(s - *turns * period, curve->low), curve->high);
+}
+
+/* On a border, where rounding leads a little beyond it. */
+static double unround(const struct gd_axis *axis, double t)
+{
+    double near = 4 * DBL_EPSILON * fmax(fabs(axis->low), fabs(axis->high));
+    if (axis->closed || t < axis->low - near || t > axis->high + near) return t;
+    return fmin(fmax(t, axis->low), axis->high);
 }
 
 static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double s, struct gd__curve_jet *out)
@@ -30,6 +40,7 @@ static void evaluate(const struct gd_domain_curve *curve, uint32_t span, double 
             out->second[k] += basis.second[i] * point[k];
         }
     }
+    for (int k = 0; k < 2; k++) out->at[k] = unround(curve->surface->axis[k], out->at[k]);
 }
 
 static uint32_t span_of(const struct gd_domain_curve *curve, double s)
@@ -64,15 +75,21 @@ uint32_t gd__curve_interval(const struct gd_domain_curve *curve, double s)
 
 enum { LOOKS = 32 }; /* at a polynomial piece, for where it crosses lines of the surface */
 
-static enum gd_status add_break(struct gd_domain_curve *curve, uint32_t *capacity, double s)
+struct breaking {
+    uint32_t capacity;
+    struct gd__watch watch;
+};
+
+static enum gd_status add_break(struct gd_domain_curve *curve, struct breaking *breaking, double s)
 {
     double near = GD_TOL_ADJACENT * (curve->high - curve->low);
     if (curve->break_count && s - curve->breaks[curve->break_count - 1] <= near) return GD_OK;
-    if (curve->break_count == *capacity) {
-        *capacity = *capacity ? 2 * *capacity : 16;
-        double *grown = realloc(curve->breaks, *capacity * sizeof *grown);
+    if (curve->break_count == breaking->capacity) {
+        uint32_t capacity = breaking->capacity ? 2 * breaking->capacity : 16;
+        double *grown = realloc(curve->breaks, capacity * sizeof *grown);
         if (!grown) return GD_NO_MEMORY;
         curve->breaks = grown;
+        breaking->capacity = capacity;
     }
     curve->breaks[curve->break_count++] = s;
     return GD_OK;
@@ -96,20 +113,33 @@ static double crossing(const struct gd_domain_curve *curve, uint32_t span, int k
     return b;
 }
 
-/* Appends the crossings within one step of a polynomial piece, in order. */
-static enum gd_status break_step(struct gd_domain_curve *curve, uint32_t *capacity, uint32_t span, double a, double b)
+static bool crosses_several(const struct gd_parametric *surface, const double a[2], const double b[2])
+{
+    for (int k = 0; k < 2; k++)
+        if (abs(gd__axis_cell(surface->axis[k], a[k]) - gd__axis_cell(surface->axis[k], b[k])) > 1) return true;
+    return false;
+}
+
+/* Appends the crossings within one step of a polynomial piece, in order. A step over several lines of a direction is halved until it crosses one. */
+static enum gd_status break_step(struct gd_domain_curve *curve, struct breaking *breaking, uint32_t span, double a,
+                                 double b)
 {
     struct gd__curve_jet from, to;
+    double middle = 0.5 * (a + b), at[2] = {INFINITY, INFINITY};
+    if (!gd__watch_step(&breaking->watch)) return breaking->watch.status;
     evaluate(curve, span, a, &from);
     evaluate(curve, span, b, &to);
-    double at[2] = {INFINITY, INFINITY};
+    if (crosses_several(curve->surface, from.at, to.at) && a < middle && middle < b) {
+        enum gd_status status = break_step(curve, breaking, span, a, middle);
+        return status ? status : break_step(curve, breaking, span, middle, b);
+    }
     for (int k = 0; k < 2; k++) {
         const struct gd_axis *axis = curve->surface->axis[k];
         if (gd__axis_cell(axis, from.at[k]) != gd__axis_cell(axis, to.at[k])) at[k] = crossing(curve, span, k, a, b);
     }
     enum gd_status status = GD_OK;
-    if (fmin(at[0], at[1]) <= b) status = add_break(curve, capacity, fmin(at[0], at[1]));
-    if (!status && fmax(at[0], at[1]) <= b) status = add_break(curve, capacity, fmax(at[0], at[1]));
+    if (fmin(at[0], at[1]) <= b) status = add_break(curve, breaking, fmin(at[0], at[1]));
+    if (!status && fmax(at[0], at[1]) <= b) status = add_break(curve, breaking, fmax(at[0], at[1]));
     return status;
 }
 
@@ -126,19 +156,19 @@ static bool is_in_one_cell(const struct gd_domain_curve *curve, uint32_t span)
     return true;
 }
 
-static enum gd_status find_breaks(struct gd_domain_curve *curve)
+static enum gd_status find_breaks(struct gd_domain_curve *curve, const struct gd_control *control)
 {
-    uint32_t capacity = 0;
+    struct breaking breaking = {.watch = {.control = control}};
     enum gd_status status = GD_OK;
     for (uint32_t span = curve->degree; span < curve->count && !status; span++) {
         double a = curve->knots[span], b = curve->knots[span + 1];
         if (!(a < b)) continue;
-        status = add_break(curve, &capacity, a);
+        status = add_break(curve, &breaking, a);
         for (int i = is_in_one_cell(curve, span) ? LOOKS : 0; i < LOOKS && !status; i++)
-            status = break_step(curve, &capacity, span, a + (b - a) * i / LOOKS,
+            status = break_step(curve, &breaking, span, a + (b - a) * i / LOOKS,
                                 i + 1 == LOOKS ? b : a + (b - a) * (i + 1) / LOOKS);
     }
-    if (!status) status = add_break(curve, &capacity, curve->high);
+    if (!status) status = add_break(curve, &breaking, curve->high);
     if (!status && curve->break_count) curve->breaks[curve->break_count - 1] = curve->high;
     return status;
 }
@@ -161,6 +191,16 @@ static void find_closure(struct gd_domain_curve *curve)
     if (!curve->closed) curve->winding[0] = curve->winding[1] = 0;
 }
 
+/* Far from the domain coordinates are rounded by more than is of use. */
+static bool is_far(const struct gd_parametric *surface, const double at[2])
+{
+    for (int k = 0; k < 2; k++) {
+        const struct gd_axis *axis = surface->axis[k];
+        if (axis->closed && fabs(at[k] - axis->low) > GD_DOMAIN_CURVE_PERIODS_MAX * gd__axis_period(axis)) return true;
+    }
+    return false;
+}
+
 static enum gd_status check_places(const struct gd_parametric *surface, const double (*points)[2], uint32_t count,
                                    struct gd_detail *detail)
 {
@@ -171,6 +211,10 @@ static enum gd_status check_places(const struct gd_parametric *surface, const do
             return gd_fail(detail, GD_INVALID_ARGUMENT,
                            "point %u of the curve, (%.17g, %.17g), lies outside the surface's domain", i, points[i][0],
                            points[i][1]);
+        if (is_far(surface, points[i]))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "point %u of the curve, (%.17g, %.17g), lies more than %d periods away from the domain", i,
+                           points[i][0], points[i][1], GD_DOMAIN_CURVE_PERIODS_MAX);
     }
     return GD_OK;
 }
@@ -192,8 +236,8 @@ static enum gd_status check_knots(uint32_t degree, const double *knots, uint32_t
 
 /* Takes checked arrays; `degree` 0 with one point is a point. */
 static enum gd_status make(const struct gd_parametric *surface, uint32_t degree, const double *knots,
-                           const double (*points)[2], uint32_t count, struct gd_domain_curve **out,
-                           struct gd_detail *detail)
+                           const double (*points)[2], uint32_t count, const struct gd_control *control,
+                           struct gd_domain_curve **out, struct gd_detail *detail)
 {
     struct gd_domain_curve *curve = calloc(1, sizeof *curve);
     if (!curve) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
@@ -213,7 +257,7 @@ static enum gd_status make(const struct gd_parametric *surface, uint32_t degree,
     }
     if (!status && !curve->is_point) {
         find_closure(curve);
-        status = find_breaks(curve);
+        status = find_breaks(curve, control);
     }
     if (status) {
         gd_domain_curve_release(curve);
@@ -226,14 +270,19 @@ static enum gd_status make(const struct gd_parametric *surface, uint32_t degree,
 enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u, double v,
                                      struct gd_domain_curve **out, struct gd_detail *detail)
 {
+    const double at[1][2] = {{u, v}};
     if (!gd_parametric_contains(surface, u, v))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the point (%.17g, %.17g) lies outside the surface's domain", u, v);
-    return make(surface, 0, (double[]){0, 1}, (const double[][2]){{u, v}}, 1, out, detail);
+    if (is_far(surface, at[0]))
+        return gd_fail(detail, GD_INVALID_ARGUMENT,
+                       "the point (%.17g, %.17g) lies more than %d periods away from the domain", u, v,
+                       GD_DOMAIN_CURVE_PERIODS_MAX);
+    return make(surface, 0, (double[]){0, 1}, at, 1, NULL, out, detail);
 }
 
 enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree, const double *knots,
-                                       const double (*points)[2], uint32_t count, struct gd_domain_curve **out,
-                                       struct gd_detail *detail)
+                                       const double (*points)[2], uint32_t count, const struct gd_control *control,
+                                       struct gd_domain_curve **out, struct gd_detail *detail)
 {
     if (degree < 1 || degree > GD__DEGREE_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a curve's degree is between 1 and %d", GD__DEGREE_MAX);
@@ -242,11 +291,12 @@ enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint
                        degree + 1, GD_DOMAIN_CURVE_COUNT_MAX);
     enum gd_status status = check_places(surface, points, count, detail);
     if (!status) status = check_knots(degree, knots, count, detail);
-    return status ? status : make(surface, degree, knots, points, count, out, detail);
+    return status ? status : make(surface, degree, knots, points, count, control, out, detail);
 }
 
 enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, const double (*corners)[2], uint32_t count,
-                                        struct gd_domain_curve **out, struct gd_detail *detail)
+                                        const struct gd_control *control, struct gd_domain_curve **out,
+                                        struct gd_detail *detail)
 {
     if (count < 2 || count > GD_DOMAIN_CURVE_COUNT_MAX)
         return gd_fail(detail, GD_INVALID_ARGUMENT, "a polyline has between 2 and %d corners",
@@ -261,7 +311,7 @@ enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, con
     for (uint32_t i = 0; i < count; i++) knots[i + 1] = i;
     knots[0] = 0;
     knots[count + 1] = count - 1;
-    status = make(surface, 1, knots, corners, count, out, detail);
+    status = make(surface, 1, knots, corners, count, control, out, detail);
     free(knots);
     return status;
 }
@@ -280,7 +330,7 @@ enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the line %c = %.17g is a pole: one point of the surface", "uv"[k],
                        at);
     return gd_domain_curve_bspline(surface, 1, (double[]){along->low, along->low, along->high, along->high},
-                                   (const double(*)[2])ends, 2, out, detail);
+                                   (const double(*)[2])ends, 2, NULL, out, detail);
 }
 
 struct gd_domain_curve *gd_domain_curve_retain(const struct gd_domain_curve *curve)

@@ -7,7 +7,7 @@ double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *p
 {
     int gauss = gd__chain_gauss(chain);
     double sum = 0;
-    for (uint32_t span = 0; span < piece->spans; span++) {
+    for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
         const double *knot = piece->knots + chain->degree + span;
         for (int g = 0; g < gauss; g++) {
             struct gd__curve_jet c;
@@ -89,7 +89,7 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
     out->value = 0;
     memset(out->gradient, 0, unknowns * sizeof *out->gradient);
     memset(out->hessian, 0, (size_t)unknowns * gd__energy_width(chain) * sizeof *out->hessian);
-    for (uint32_t span = 0; span < piece->spans; span++) {
+    for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
         const double *knot = piece->knots + chain->degree + span;
         for (int g = 0; g < gauss; g++) {
             struct gd__curve_jet c;
@@ -111,6 +111,7 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
     int gauss = gd__chain_gauss(chain);
     const double *knot = piece->knots + chain->degree + span;
     *bend = *length = 0;
+    if (!gd__watch_step(chain->watch)) return;
     for (int g = 0; g < gauss; g++) {
         struct gd__curve_jet c;
         struct gd_jet x;
@@ -128,4 +129,19 @@ void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piec
         double curvature = gd_vec3_dot(gd_vec3_cross(d, a), normal) / (area * speed * speed * speed);
         *bend += weight * speed * curvature * curvature;
     }
+}
+
+double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double length)
+{
+    int gauss = gd__chain_gauss(chain);
+    const double *knot = piece->knots + chain->degree + span, half = 0.5 * (knot[1] - knot[0]);
+    double sum = 0;
+    for (int g = 0; g < 2 * gauss && gd__watch_step(chain->watch); g++) {
+        struct gd__curve_jet c;
+        struct gd_jet x;
+        gd__piece_at(chain, piece, span, knot[0] + half * (g / gauss + gd__gauss(gauss)->node[g % gauss]), &c);
+        gd__piece_jet(chain, piece, c.at, &x);
+        sum += gd__gauss(gauss)->weight[g % gauss] * half * gd_vec3_length(gd__velocity(&x, c.first));
+    }
+    return fabs(sum - length);
 }

@@ -23,7 +23,7 @@ static inline uint32_t gd__energy_width(const struct gd__chain *chain)
     return 2 * chain->degree + 2;
 }
 
-/* E alone. O(spans). */
+/* E alone. O(spans). All of these end early when the chain's watch says so. */
 double gd__energy_value(const struct gd__chain *chain, const struct gd__piece *piece);
 
 /* All of it, into arrays of the caller's. O(spans degree^2). */
@@ -33,5 +33,8 @@ void gd__energy_expand(const struct gd__chain *chain, const struct gd__piece *pi
 /* int of squared geodesic curvature by arc length over one span, and the span's length. do Carmo, Curves and Surfaces, section 4-4. */
 void gd__energy_bend(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double *bend,
                      double *length);
+
+/* By how much the length of a span that gd__energy_bend gives is off: against the same rule on both halves. */
+double gd__energy_uneven(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double length);
 
 #endif

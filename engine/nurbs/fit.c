@@ -201,10 +201,10 @@ static struct gd__joint joint_of(const struct gd_parametric *surface, const stru
 }
 
 static struct gd__chain *assemble(const struct gd_parametric *surface, const struct gd__trail *trail,
-                                  const struct gd__fit *fit, struct gd__cell cell, const struct cuts *cuts,
-                                  const uint32_t *spans)
+                                  const struct gd__fit *fit, struct gd__watch *watch, struct gd__cell cell,
+                                  const struct cuts *cuts, const uint32_t *spans)
 {
-    struct gd__chain *chain = gd__chain_create(surface, fit->degree, cuts->count + 1, spans);
+    struct gd__chain *chain = gd__chain_create(surface, watch, fit->degree, cuts->count + 1, spans);
     if (!chain) return NULL;
     double from = 0;
     chain->joints[0] = fit->from;
@@ -224,16 +224,16 @@ static struct gd__chain *assemble(const struct gd_parametric *surface, const str
 }
 
 enum gd_status gd__trail_fit(const struct gd_parametric *surface, const struct gd__trail *trail,
-                             const struct gd__fit *fit, const struct gd_control *control, struct gd__chain **out)
+                             const struct gd__fit *fit, struct gd__watch *watch, struct gd__chain **out)
 {
     struct cuts cuts = {0};
     struct gd__cell cell = gd__surface_cell(surface, trail->at[0][0], trail->at[0][1]);
     enum gd_status status = fit->whole ? GD_OK : find_cuts(surface, trail, fit->corner, &cell, &cuts);
     uint32_t *spans = status ? NULL : share_spans(trail, &cuts, fit->spans);
     if (!status && !spans) status = GD_NO_MEMORY;
-    if (!status) status = gd_control_afford(control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
+    if (!status) status = gd_control_afford(watch->control, gd__chain_bytes(fit->degree, cuts.count + 1, spans));
     if (!status) {
-        struct gd__chain *chain = assemble(surface, trail, fit, cell, &cuts, spans);
+        struct gd__chain *chain = assemble(surface, trail, fit, watch, cell, &cuts, spans);
         if (chain)
             *out = chain;
         else
@@ -249,7 +249,7 @@ bool gd__chain_is_proper(const struct gd__chain *chain)
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         const struct gd__piece *piece = &chain->pieces[i];
         if (piece->whole) continue;
-        for (uint32_t span = 0; span < piece->spans; span++) {
+        for (uint32_t span = 0; span < piece->spans && gd__watch_step(chain->watch); span++) {
             const double *knot = piece->knots + chain->degree + span;
             for (int k = 0; k <= 4; k++) {
                 struct gd__curve_jet c;

@@ -20,6 +20,8 @@ static const double twins = 1e-7; /* two answers whose lengths agree to this and
 static const double beside =
     1e-2; /* a way is beside one through a pole if length and middle agree to this and its root */
 
+static const double COARSE_SHARE = 0.25; /* of the time that is told, for all coarse curves */
+
 struct candidates {
     uint32_t count, capacity;
     struct gd__way *way;
@@ -28,7 +30,7 @@ struct candidates {
 /* The same way found twice: ways through a pole differ from those beside it. */
 static bool is_twin(const struct gd__way *a, const struct gd__way *b)
 {
-    return a->parts == b->parts && fabs(a->coarse - b->coarse) <= twins * a->coarse &&
+    return a->parts == b->parts && a->tip == b->tip && fabs(a->coarse - b->coarse) <= twins * a->coarse &&
            gd_vec3_distance(a->middle, b->middle) <= sqrt(twins) * a->coarse;
 }
 
@@ -55,7 +57,8 @@ static enum gd_status add_candidates(const struct gd__task *task, const struct g
         struct gd__way *way = &found[i];
         way->coarse = gd__way_length(way);
         way->middle = gd__way_middle(task->surface, way);
-        bool known = false;
+        status = task->watch->status;
+        bool known = status;
         for (uint32_t k = 0; k < candidates->count && !known; k++) known = is_twin(&candidates->way[k], way);
         if (known)
             gd__way_free(way);
@@ -69,8 +72,10 @@ static enum gd_status make_candidates(const struct gd__task *task, const struct 
                                       const struct gd__seeds *seeds, struct candidates *candidates)
 {
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < seeds->count && !status; i++)
+    for (uint32_t i = 0; i < seeds->count && !status; i++) {
+        task->watch->fraction = COARSE_SHARE * i / seeds->count;
         status = add_candidates(task, ends, &seeds->seed[i], candidates);
+    }
     return status;
 }
 
@@ -80,7 +85,7 @@ static enum gd_status finish_way(const struct gd__task *task, struct gd__way *wa
     enum gd_status status = gd__way_finish(task, way);
     way->coarse = gd__way_length(way);
     way->middle = gd__way_middle(task->surface, way);
-    return status;
+    return task->watch->status ? task->watch->status : status;
 }
 
 /* Where a geodesic goes straight through a pole, curves beside the pole only creep towards it. */
@@ -97,6 +102,15 @@ static int through_first(const void *x, const void *y)
     return p->coarse < q->coarse ? -1 : p->coarse > q->coarse;
 }
 
+/* Keeps the shorter of two ways that would not become geodesics: better than nothing if nothing else is found, and said to be so. */
+static void spare_way(struct gd__way *way, struct gd__way *spare)
+{
+    for (uint32_t i = 0; i < way->parts; i++) way->part[i].converged = way->part[i].report.converged = false;
+    bool better = !spare->parts || way->coarse < spare->coarse;
+    gd__way_free(better ? spare : way);
+    if (better) *spare = *way;
+}
+
 /* Finishes the candidates that may be wanted, the others are dropped. */
 static enum gd_status finish(const struct gd__task *task, bool all, struct candidates *candidates)
 {
@@ -106,19 +120,27 @@ static enum gd_status finish(const struct gd__task *task, bool all, struct candi
     for (uint32_t i = 0; i < candidates->count; i++) by_pole = by_pole || candidates->way[i].by_pole;
     qsort(candidates->way, candidates->count, sizeof *candidates->way, through_first);
     uint32_t kept = 0;
+    struct gd__way spare = {0};
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < candidates->count; i++) {
         struct gd__way way = candidates->way[i];
+        task->watch->fraction = COARSE_SHARE + (1 - COARSE_SHARE) * i / candidates->count;
         bool wanted = !status && (all || way.coarse <= (by_pole ? hopeless_by_pole : hopeless) * least);
         for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_covered(&candidates->way[k], &way);
         if (wanted && !task->control_points) status = finish_way(task, &way);
-        if (wanted && !status && gd__way_is_geodesic(&way))
+        if (wanted && !status && gd__way_is_geodesic(task, &way))
             candidates->way[kept++] = way;
+        else if (wanted && !status)
+            spare_way(&way, &spare);
         else
             gd__way_free(&way);
     }
+    if (kept)
+        gd__way_free(&spare);
+    else if (spare.parts)
+        candidates->way[kept++] = spare;
     candidates->count = kept;
-    return status;
+    return status ? status : task->watch->status;
 }
 
 static int by_worth(const void *x, const void *y)
@@ -222,13 +244,16 @@ enum gd_status gd_geodesic_solve(const struct gd_tessellation *tessellation, con
     if (!status && meet) status = answer_meeting(from, to, s, out);
     if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
     if (meet) return GD_OK;
+    struct gd__share share = {.control = control, .total = GD__SEEDS_PARTS + 1};
+    const struct gd_control own = gd__share_control(&share, 0);
+    struct gd__watch watch = {.control = &own};
     struct gd__task task = {.surface = tessellation->surface,
                             .degree = o.degree ? o.degree : GD_GEODESIC_DEGREE,
                             .control_points = o.control_points,
                             .tolerance = o.tolerance > 0 ? o.tolerance : GD_GEODESIC_TOLERANCE,
-                            .control = control};
+                            .watch = &watch};
     struct gd__seeds seeds;
-    status = gd__seeds_find(tessellation, from, to, o.all_minima, control, &seeds, detail);
+    status = gd__seeds_find(tessellation, from, to, o.all_minima, &share, &seeds, detail);
     if (status) return status;
     status = solve(&task, (const struct gd_domain_curve *const[2]){from, to}, o.all_minima, &seeds, out, detail);
     gd__seeds_free(&seeds);

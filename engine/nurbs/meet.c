@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
+#include "nurbs/watch.h"
 
 enum { PLACES_LEAST = 128, PLACES_MOST = 1024, STEPS_MOST = 100 };
 
@@ -14,7 +15,7 @@ struct places {
     struct gd_vec3 *x;
 };
 
-static enum gd_status look(const struct gd_domain_curve *curve, struct places *out)
+static enum gd_status look(const struct gd_domain_curve *curve, struct gd__watch *watch, struct places *out)
 {
     uint32_t intervals = curve->is_point ? 1 : curve->break_count - 1;
     uint32_t each = curve->is_point ? 1 : (PLACES_LEAST + intervals - 1) / intervals;
@@ -27,12 +28,12 @@ static enum gd_status look(const struct gd_domain_curve *curve, struct places *o
         for (uint32_t k = 0; k < each; k++)
             out->s[out->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
     out->s[out->count++] = curve->is_point ? 0 : curve->high;
-    for (uint32_t i = 0; i < out->count; i++) {
+    for (uint32_t i = 0; i < out->count && gd__watch_step(watch); i++) {
         struct gd__curve_jet jet;
         gd__curve_jet(curve, out->s[i], &jet);
         out->x[i] = gd__surface_position(curve->surface, jet.at);
     }
-    return GD_OK;
+    return watch->status;
 }
 
 static void places_free(struct places *places)
@@ -84,10 +85,11 @@ static double nearness(const struct gd_parametric *surface)
 }
 
 /* Gauss-Newton on x(a(s)) - x(b(t)): quadratic where the curves cross. True: they meet. */
-static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b, double s[2])
+static bool approach(const struct gd_domain_curve *a, const struct gd_domain_curve *b, struct gd__watch *watch,
+                     double s[2])
 {
     double near = nearness(a->surface);
-    for (int i = 0; i < STEPS_MOST; i++) {
+    for (int i = 0; i < STEPS_MOST && gd__watch_step(watch); i++) {
         struct view p = view_of(a, s[0]), q = view_of(b, s[1]);
         struct gd_vec3 r = gd_vec3_sub(p.x, q.x);
         if (gd_vec3_length(r) <= near) return is_one_place(a->surface, p.c.at, q.c.at);
@@ -127,17 +129,19 @@ enum gd_status gd__curves_meet(const struct gd_domain_curve *a, const struct gd_
                                const struct gd_control *control, bool *meet, double s[2])
 {
     struct places of_a = {0}, of_b = {0};
+    struct gd__watch watch = {.control = control};
     double near = nearness(a->surface);
-    enum gd_status status = look(a, &of_a);
-    if (!status) status = look(b, &of_b);
+    enum gd_status status = look(a, &watch, &of_a);
+    if (!status) status = look(b, &watch, &of_b);
     *meet = false;
     for (uint32_t i = 0; i < of_a.count && !status && !*meet; i++) {
         status = gd_control_check(control, 0);
         for (uint32_t j = 0; j < of_b.count && !status && !*meet; j++) {
             if (!is_candidate(&of_a, &of_b, near, i, j)) continue;
             double at[2] = {of_a.s[i], of_b.s[j]};
-            *meet = approach(a, b, at);
+            *meet = approach(a, b, &watch, at);
             if (*meet) s[0] = at[0], s[1] = at[1];
+            status = watch.status;
         }
     }
     places_free(&of_a);

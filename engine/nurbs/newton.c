@@ -38,10 +38,10 @@ static double *carve(double **at, size_t count)
     return begin;
 }
 
-static enum gd_status state_make(struct gd__chain *chain, const struct gd_control *control, struct state *out)
+static enum gd_status state_make(struct gd__chain *chain, struct state *out)
 {
     size_t doubles = state_doubles(chain);
-    enum gd_status status = gd_control_afford(control, doubles * sizeof(double));
+    enum gd_status status = gd_control_afford(chain->watch->control, doubles * sizeof(double));
     if (status) return status;
     *out = (struct state){.chain = chain};
     double *at = calloc(doubles, sizeof *at);
@@ -313,19 +313,18 @@ static bool iterate(struct state *state, double stop, struct gd__newton_report *
 }
 
 enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limits *limits,
-                          const struct gd_control *control, struct gd__newton_report *out)
+                          struct gd__newton_report *out)
 {
     struct state state;
-    enum gd_status status = state_make(chain, control, &state);
+    enum gd_status status = state_make(chain, &state);
     if (status) return status;
     struct gd__newton_report report = {0};
     gd__chain_attach(chain);
-    while (report.iterations < limits->most) {
-        status = gd_control_check(control, 0);
-        if (status || !iterate(&state, limits->stop, &report)) break;
+    while (report.iterations < limits->most && gd__watch_step(chain->watch)) {
+        if (!iterate(&state, limits->stop, &report)) break;
         report.iterations++;
     }
     state_free(&state);
-    if (!status) *out = report;
-    return status;
+    if (!chain->watch->status) *out = report;
+    return chain->watch->status;
 }

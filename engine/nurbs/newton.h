@@ -26,6 +26,6 @@ struct gd__newton_limits {
 
 /* Moves the chain. Errors: GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE; no convergence is none, the report says it. */
 GD_MUST_USE enum gd_status gd__newton(struct gd__chain *chain, const struct gd__newton_limits *limits,
-                                      const struct gd_control *control, struct gd__newton_report *out);
+                                      struct gd__newton_report *out);
 
 #endif

@@ -33,6 +33,7 @@ struct search {
     const struct gd_tessellation *tessellation;
     struct side side[2];
     struct gd__seeds seeds;
+    struct gd__watch watch;
     bool all;
 };
 
@@ -45,7 +46,8 @@ void gd__seeds_free(struct gd__seeds *seeds)
 
 /* --- the curves as sources --------------------------------------------------------------------------------------------- */
 
-static enum gd_status place_side(const struct gd_tessellation *t, struct side *side, struct gd_detail *detail)
+static enum gd_status place_side(const struct gd_tessellation *t, struct side *side, struct gd__watch *watch,
+                                 struct gd_detail *detail)
 {
     const struct gd_domain_curve *curve = side->curve;
     uint32_t intervals = curve->is_point ? 0 : curve->break_count - 1;
@@ -60,21 +62,22 @@ static enum gd_status place_side(const struct gd_tessellation *t, struct side *s
             side->s[side->count++] = curve->breaks[i] + (curve->breaks[i + 1] - curve->breaks[i]) * k / each;
     if (!curve->closed || curve->is_point) side->s[side->count++] = curve->is_point ? 0 : curve->high;
     enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < side->count && !status; i++) {
+    for (uint32_t i = 0; i < side->count && !status && gd__watch_step(watch); i++) {
         double uv[2];
         gd_domain_curve_at(curve, side->s[i], uv);
         status = gd_tessellation_point(t, uv[0], uv[1], &side->seeds[i].point, detail);
     }
+    if (watch->status) return gd_fail(detail, watch->status, "%s", gd_status_sentence(watch->status));
     return status;
 }
 
-static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side, const struct gd_control *control,
+static enum gd_status measure_side(const struct gd_tessellation *t, struct side *side, struct gd__watch *watch,
                                    struct gd_detail *detail)
 {
-    enum gd_status status = place_side(t, side, detail);
+    enum gd_status status = place_side(t, side, watch, detail);
     if (status) return status;
     struct gd_field_request request = {.seeds = side->seeds, .seed_count = side->count};
-    status = gd_field_build(t->mesh, &request, control, NULL, &side->field, detail);
+    status = gd_field_build(t->mesh, &request, watch->control, NULL, &side->field, detail);
     if (status) return status;
     side->distance = malloc(gd_mesh_summary(t->mesh)->index_count * sizeof *side->distance);
     if (!side->distance) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
@@ -148,8 +151,11 @@ static enum gd_status set_ends(const struct search *search, struct gd__seed *see
     gd_domain_curve_at(search->side[1].curve, seed->s[1], at);
     unwind(surface, trail->at[trail->count - 2], at);
     memcpy(trail->at[trail->count - 1], at, sizeof at);
-    for (int k = 0; k < 2; k++) /* a path that begins in a pole leaves it along its own line */
-        if (gd__surface_pole(surface, k, trail->at[0][k])) trail->at[0][1 - k] = trail->at[1][1 - k];
+    for (int k = 0; k < 2; k++) { /* a path that begins in a pole leaves it along its own line */
+        uint32_t outside = 0;
+        while (outside + 1 < trail->count && gd__surface_pole(surface, k, trail->at[outside][k])) outside++;
+        for (uint32_t i = 0; i < outside; i++) trail->at[i][1 - k] = trail->at[outside][1 - k];
+    }
     gd__trail_measure(surface, trail);
     return GD_OK;
 }
@@ -218,12 +224,12 @@ static int by_edge(const void *x, const void *y)
     return p->b < q->b ? -1 : p->b > q->b;
 }
 
-/* Each crossing once for each face at it, with the other crossing of that face. */
-static uint32_t list_crossings(const struct search *search, struct crossing *out)
+/* Each crossing once for each face at it, with the other crossing of that face. `out` NULL: only counts. */
+static uint32_t list_crossings(struct search *search, struct crossing *out)
 {
     const struct gd_polygons *polygons = &search->tessellation->polygons;
     uint32_t count = 0;
-    for (uint32_t face = 0; face < polygons->polygon_count; face++) {
+    for (uint32_t face = 0; face < polygons->polygon_count && gd__watch_step(&search->watch); face++) {
         const uint32_t *corner = polygons->corners + 3 * (size_t)face;
         struct crossing found[3];
         int in_face = 0;
@@ -231,8 +237,8 @@ static uint32_t list_crossings(const struct search *search, struct crossing *out
         if (in_face != 2) continue;
         found[0].least = found[1].sum;
         found[1].least = found[0].sum;
-        out[count++] = found[0];
-        out[count++] = found[1];
+        if (out) memcpy(out + count, found, 2 * sizeof *out);
+        count += 2;
     }
     return count;
 }
@@ -247,11 +253,11 @@ static enum gd_status add_crossing(struct search *search, const struct crossing 
 
 static enum gd_status add_middles(struct search *search, double shortest, struct gd_detail *detail)
 {
-    struct crossing *list = malloc((2 * (size_t)search->tessellation->polygons.polygon_count + 1) * sizeof *list);
+    struct crossing *list = malloc((list_crossings(search, NULL) + 1) * sizeof *list);
     if (!list) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     uint32_t count = list_crossings(search, list);
     qsort(list, count, sizeof *list, by_edge);
-    enum gd_status status = GD_OK;
+    enum gd_status status = search->watch.status;
     for (uint32_t i = 0; i < count && !status; i++) {
         bool twice = i + 1 < count && by_edge(&list[i], &list[i + 1]) == 0;
         double least = twice ? fmin(list[i].least, list[i + 1].least) : list[i].least, sum = list[i].sum;
@@ -264,12 +270,13 @@ static enum gd_status add_middles(struct search *search, double shortest, struct
 }
 
 /* Local minima of the other side's distance along a curve: the ends of ways. `*shortest`: the least. */
-static enum gd_status find_ends(const struct search *search, int k, double *distance, double *shortest)
+static enum gd_status find_ends(struct search *search, int k, double *distance, double *shortest)
 {
     const struct side *side = &search->side[k];
     enum gd_status status = GD_OK;
     *shortest = INFINITY;
     for (uint32_t i = 0; i < side->count && !status; i++) {
+        if (!gd__watch_step(&search->watch)) return search->watch.status;
         status = gd_field_distance(search->side[1 - k].field, &side->seeds[i].point, &distance[i]);
         if (!status) *shortest = fmin(*shortest, distance[i]);
     }
@@ -307,10 +314,11 @@ static struct gd_vec3 trail_position(const struct gd_parametric *surface, const 
     return gd__surface_position(surface, at);
 }
 
-static bool is_same(const struct gd_parametric *surface, const struct gd__seed *a, const struct gd__seed *b)
+static bool is_same(const struct gd_parametric *surface, struct gd__watch *watch, const struct gd__seed *a,
+                    const struct gd__seed *b)
 {
     if (fabs(a->length - b->length) > same * a->length) return false;
-    for (int i = 0; i <= 4; i++)
+    for (int i = 0; i <= 4 && gd__watch_step(watch); i++)
         if (gd_vec3_distance(trail_position(surface, &a->trail, 0.25 * i),
                              trail_position(surface, &b->trail, 0.25 * i)) > same * a->length)
             return false;
@@ -318,40 +326,46 @@ static bool is_same(const struct gd_parametric *surface, const struct gd__seed *
 }
 
 /* Sorts by length; of those that are the same way the shortest stays, and of all only the first `most`. */
-static void sift(const struct gd_parametric *surface, uint32_t most, struct gd__seeds *seeds)
+static enum gd_status sift(const struct gd_parametric *surface, uint32_t most, struct gd__watch *watch,
+                           struct gd__seeds *seeds)
 {
     qsort(seeds->seed, seeds->count, sizeof *seeds->seed, by_length);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < seeds->count; i++) {
         struct gd__seed seed = seeds->seed[i];
         bool wanted = kept < most;
-        for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_same(surface, &seeds->seed[k], &seed);
+        for (uint32_t k = 0; k < kept && wanted; k++) wanted = !is_same(surface, watch, &seeds->seed[k], &seed);
         if (wanted)
             seeds->seed[kept++] = seed;
         else
             gd__trail_free(&seed.trail);
     }
     seeds->count = kept;
+    return watch->status;
 }
 
 enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation, const struct gd_domain_curve *from,
-                              const struct gd_domain_curve *to, bool all, const struct gd_control *control,
+                              const struct gd_domain_curve *to, bool all, struct gd__share *share,
                               struct gd__seeds *out, struct gd_detail *detail)
 {
-    struct search search = {.tessellation = tessellation, .side = {{.curve = from}, {.curve = to}}, .all = all};
+    const struct gd_control own = gd__share_control(share, 0);
+    struct search search = {
+        .tessellation = tessellation, .side = {{.curve = from}, {.curve = to}}, .watch = {.control = &own}, .all = all};
     enum gd_status status = GD_OK;
     double shortest = INFINITY;
-    for (int k = 0; k < 2 && !status; k++) status = measure_side(tessellation, &search.side[k], control, detail);
+    for (int k = 0; k < 2 && !status; k++) {
+        status = measure_side(tessellation, &search.side[k], &search.watch, detail);
+        share->done++;
+    }
     for (int k = 1; k >= 0 && !status; k--) status = add_ends(&search, k, &shortest);
     if (!status) status = add_middles(&search, shortest, detail);
     if (!status && !search.seeds.count) status = gd_fail(detail, GD_INTERNAL, "no way was found on the tessellation");
     side_free(&search.side[0]);
     side_free(&search.side[1]);
-    if (status) {
+    if (!status) status = sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.watch, &search.seeds);
+    if (status)
         gd__seeds_free(&search.seeds);
-        return status;
-    }
-    sift(tessellation->surface, all ? SEEDS_MOST : SEEDS_FEW, &search.seeds);
-    *out = search.seeds;
-    return GD_OK;
+    else
+        *out = search.seeds;
+    return search.watch.status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : status;
 }

@@ -5,6 +5,7 @@
 #ifndef GD_NURBS_SEEDS_H
 #define GD_NURBS_SEEDS_H
 
+#include "base/share.h"
 #include "gd/geodesic_like.h"
 #include "nurbs/trail.h"
 
@@ -22,10 +23,13 @@ struct gd__seeds {
 
 void gd__seeds_free(struct gd__seeds *seeds);
 
-/* All of them if `all`, else those that the mesh does not rule out for the shortest one. At least one. Errors of gd_field_build. */
+#define GD__SEEDS_PARTS 2 /* of `share`: a field from each curve */
+
+/* All of them if `all`, else those that the mesh does not rule out for the shortest one. At least one. Counts its parts of `share`. Errors of
+ * gd_field_build. */
 GD_MUST_USE enum gd_status gd__seeds_find(const struct gd_tessellation *tessellation,
                                           const struct gd_domain_curve *from, const struct gd_domain_curve *to,
-                                          bool all, const struct gd_control *control, struct gd__seeds *out,
+                                          bool all, struct gd__share *share, struct gd__seeds *out,
                                           struct gd_detail *detail);
 
 #endif

@@ -28,12 +28,12 @@ static const double shortest_end =
 static const double most_bend =
     100; /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
 static const double fallen = 1e-6; /* of the domain's width: nearer to a pole a path goes through it */
+static const double noise = 8;     /* the length of a span is rounded by so many times what the ends of its chain are */
 static const double worth = 0.02;  /* a span is halved if its error is this part of the greatest */
 
-static enum gd_status newton(const struct gd__task *task, struct gd__newton_limits limits,
-                             struct gd__solution *solution)
+static enum gd_status newton(struct gd__newton_limits limits, struct gd__solution *solution)
 {
-    enum gd_status status = gd__newton(solution->chain, &limits, task->control, &solution->report);
+    enum gd_status status = gd__newton(solution->chain, &limits, &solution->report);
     if (!status) solution->iterations += solution->report.iterations;
     return status;
 }
@@ -52,21 +52,25 @@ static bool follows_border(const struct gd__chain *chain, const struct gd__piece
     return false;
 }
 
-/* What halving a span may save: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h / pi)^2 / 2 int kappa^2. */
-static double span_error(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span)
+/* What halving a span may change: with e'' = kappa between its ends, 1/2 int e'^2 is at most (h / pi)^2 / 2 int kappa^2; and what the quadrature of its length
+ * misses where the speed is uneven, as along a meridian, which is straight in the domain and has no curvature. More than `enough` is not looked at closer. */
+static double span_error(const struct gd__chain *chain, const struct gd__piece *piece, uint32_t span, double rounding,
+                         double enough)
 {
     double bend, length;
-    if (follows_border(chain, piece, span)) return 0;
     gd__energy_bend(chain, piece, span, &bend, &length);
-    return bend * length * length / (2 * M_PI * M_PI);
+    double error = follows_border(chain, piece, span) ? 0 : bend * length * length / (2 * M_PI * M_PI);
+    if (error > enough) return error;
+    double uneven = gd__energy_uneven(chain, piece, span, length);
+    return uneven > noise * rounding ? error + uneven : error;
 }
 
 static double chain_error(const struct gd__chain *chain)
 {
-    double sum = 0;
+    double sum = 0, rounding = gd__chain_rounding(chain);
     for (uint32_t i = 0; i < chain->piece_count; i++)
         for (uint32_t span = 0; span < chain->pieces[i].spans; span++)
-            sum += span_error(chain, &chain->pieces[i], span);
+            sum += span_error(chain, &chain->pieces[i], span, rounding, INFINITY);
     return sum;
 }
 
@@ -76,8 +80,8 @@ enum gd_status gd__solve_coarse(const struct gd__task *task, const struct gd__tr
     uint32_t spans = task->control_points ? task->control_points - task->degree : COARSE_SPANS;
     struct gd__fit fit = {task->degree, spans, *from, *to, true, GD_TOL_CELL};
     struct gd__solution solution = {0};
-    enum gd_status status = gd__trail_fit(task->surface, trail, &fit, task->control, &solution.chain);
-    if (!status) status = newton(task, task->control_points ? exact : coarse, &solution);
+    enum gd_status status = gd__trail_fit(task->surface, trail, &fit, task->watch, &solution.chain);
+    if (!status) status = newton(task->control_points ? exact : coarse, &solution);
     if (status) {
         free(solution.chain);
         return status;
@@ -130,7 +134,7 @@ static double slope_of(const struct gd__joint *joint, const double pull[2])
 /* An end that is held at the end of its interval goes over to the next one if the way leads on there. True: it did. */
 static bool slide(struct gd__joint *joint, const double pull[2], bool *held)
 {
-    *held = false;
+    *held = joint->kind == GD__JOINT_LINE && joint->curve;
     if (joint->kind != GD__JOINT_CURVE || joint->whole) return false;
     double slope = slope_of(joint, pull);
     int step = joint->at >= joint->high && slope < 0 ? 1 : joint->at <= joint->low && slope > 0 ? -1 : 0;
@@ -164,7 +168,7 @@ static enum gd_status cut(const struct gd__task *task, struct gd__solution *solu
     struct gd__trail trail;
     enum gd_status status = gd__trail_of_chain(old, &trail);
     if (status) return status;
-    status = gd__trail_fit(task->surface, &trail, &fit, task->control, &chain);
+    status = gd__trail_fit(task->surface, &trail, &fit, task->watch, &chain);
     gd__trail_free(&trail);
     if (status) return status;
     free(old);
@@ -190,7 +194,7 @@ static enum gd_status settle(const struct gd__task *task, struct gd__solution *s
     *settled = false;
     for (int i = 0; i < CUT_MOST && !status && solution->iterations < STEPS_MOST; i++) {
         if (begin || i) status = cut(task, solution, corner, spans);
-        if (!status) status = newton(task, exact, solution);
+        if (!status) status = newton(exact, solution);
         if (status) break;
         corner = GD_TOL_CELL;
         if (slide_ends(solution)) continue;
@@ -226,15 +230,21 @@ static double end_share(const struct gd__chain *chain, int side)
     return side ? 1 - piece->knots[chain->degree + piece->spans - 1] : piece->knots[chain->degree + 1];
 }
 
+/* The error that is allowed: what was asked for, but not less than rounding leaves of ends that are very near each other. */
+static double allowance(const struct gd__task *task, const struct gd__solution *solution)
+{
+    return fmax(task->tolerance * solution->report.length, gd__chain_rounding(solution->chain));
+}
+
 /* Marks the spans that are worth halving; returns the sum of all errors. */
 static double mark(const struct gd__task *task, const struct gd__solution *solution, double *errors, bool *marked)
 {
     const struct gd__chain *chain = solution->chain;
     uint32_t spans = gd__chain_spans(chain), filled = 0;
-    double sum = 0, most = 0, allowed = task->tolerance * solution->report.length / (4 * spans);
+    double sum = 0, most = 0, allowed = allowance(task, solution) / (4 * spans), rounding = gd__chain_rounding(chain);
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         for (uint32_t span = 0; span < chain->pieces[i].spans; span++) {
-            double error = span_error(chain, &chain->pieces[i], span);
+            double error = span_error(chain, &chain->pieces[i], span, rounding, allowed);
             errors[filled++] = error;
             sum += error;
             most = fmax(most, error);
@@ -266,7 +276,7 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     if (!status) {
         double sum = mark(task, solution, errors, marked);
         bool ends = mark_ends(solution, marked);
-        *done = solution->converged && !ends && sum <= task->tolerance * before;
+        *done = solution->converged && !ends && sum <= allowance(task, solution);
         if (*done) solution->error = fmax(solution->error, sum);
         if (!*done) {
             finer = gd__chain_refine(solution->chain, marked);
@@ -282,7 +292,7 @@ static enum gd_status refine(const struct gd__task *task, struct gd__solution *s
     status = settle(task, solution, false, 2 * spans, &settled);
     double change = fabs(solution->report.length - before);
     solution->error = change;
-    solution->converged = settled && solution->report.converged && change <= task->tolerance * before;
+    solution->converged = settled && solution->report.converged && change <= allowance(task, solution);
     return status;
 }
 
@@ -313,12 +323,12 @@ static bool has_fallen(const struct gd__chain *chain)
     return false;
 }
 
-bool gd__solution_is_bent(const struct gd__solution *solution)
+bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution)
 {
     const struct gd__chain *chain = solution->chain;
     double sum = 0;
     if (has_fallen(chain)) return true;
-    if (solution->report.contact) return false;
+    if (solution->report.contact || task->control_points) return false;
     for (uint32_t i = 0; i < chain->piece_count; i++) {
         for (uint32_t span = 0; span < chain->pieces[i].spans; span++) {
             double bend, length;
@@ -337,7 +347,10 @@ enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *
     for (int i = 0; i < REFINE_MOST && !status && !done; i++) {
         status = refine(task, solution, &done);
         if (gd__chain_spans(solution->chain) > SPANS_MOST || solution->iterations >= STEPS_MOST) break;
-        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(solution))) break;
+        if (has_fallen(solution->chain) || (i >= PATIENCE && gd__solution_is_bent(task, solution))) break;
     }
+    double rounding = status ? 0 : gd__chain_rounding(solution->chain);
+    solution->error += rounding;
+    if (rounding > task->tolerance * solution->report.length) solution->converged = false;
     return status;
 }

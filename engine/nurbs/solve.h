@@ -10,7 +10,7 @@ struct gd__task {
     const struct gd_parametric *surface;
     uint32_t degree, control_points;
     double tolerance;
-    const struct gd_control *control;
+    struct gd__watch *watch;
 };
 
 struct gd__solution {
@@ -31,7 +31,8 @@ GD_MUST_USE enum gd_status gd__solve_coarse(const struct gd__task *task, const s
 /* Cuts the curve at the surface's lines, and refines it until the tolerance is met. */
 GD_MUST_USE enum gd_status gd__solve_fine(const struct gd__task *task, struct gd__solution *solution);
 
-/* A curve that fell into a pole, or would not settle, bends by much more than any that is nearly a geodesic. */
-bool gd__solution_is_bent(const struct gd__solution *solution);
+/* A curve that fell into a pole, or would not settle, bends by much more than any that is nearly a geodesic; one of so many control points as were asked for
+ * may bend as it must. Ends early when the watch says so. */
+bool gd__solution_is_bent(const struct gd__task *task, const struct gd__solution *solution);
 
 #endif

@@ -39,10 +39,9 @@ struct gd__fit {
 /* A chain along a trail, cut where it crosses lines of the surface. Excursions of less than GD_TOL_CELL of a cell are not followed.
  * Errors: GD_NO_MEMORY, GD_BUDGET, GD_INTERNAL (a trail that crosses more lines than it can). */
 GD_MUST_USE enum gd_status gd__trail_fit(const struct gd_parametric *surface, const struct gd__trail *trail,
-                                         const struct gd__fit *fit, const struct gd_control *control,
-                                         struct gd__chain **out);
+                                         const struct gd__fit *fit, struct gd__watch *watch, struct gd__chain **out);
 
-/* Does each piece stay in its cell, but for GD_TOL_CELL of its width? */
+/* Does each piece stay in its cell, but for GD_TOL_CELL of its width? Ends early when the chain's watch says so. */
 bool gd__chain_is_proper(const struct gd__chain *chain);
 
 #endif

@@ -32,10 +32,57 @@ bool gd__way_is_minimum(const struct gd__way *way)
     return true;
 }
 
-bool gd__way_is_geodesic(const struct gd__way *way)
+/* The interval of a curve that begins (step 1) or ends (-1) at, or goes on beyond, a place, which is wrapped. False: the curve ends there. */
+static bool interval_beside(const struct gd_domain_curve *curve, int step, double *s, uint32_t *interval)
+{
+    uint32_t i = gd__curve_interval(curve, *s), last = curve->break_count - 2;
+    if (step > 0 ? *s < curve->breaks[i + 1] : *s > curve->breaks[i]) {
+        *interval = i;
+        return true;
+    }
+    bool around = i == (step > 0 ? last : 0);
+    if (around && !curve->closed) return false;
+    *interval = around ? (step > 0 ? 0 : last) : i + (uint32_t)step;
+    *s = step > 0 ? curve->breaks[*interval] : curve->breaks[*interval + 1];
+    return true;
+}
+
+/* Where a curve goes from a pole, forwards (step 1) or backwards (-1); along the pole it stands still. False: nowhere. */
+static bool leaving(const struct gd_domain_curve *curve, double s, int step, struct gd_vec3 *out)
+{
+    double still = GD_TOL_COINCIDE * curve->surface->size / (curve->high - curve->low);
+    for (uint32_t n = 0, i; n < curve->break_count && interval_beside(curve, step, &s, &i); n++) {
+        struct gd__curve_jet c;
+        struct gd_jet x;
+        gd__curve_jet_in(curve, i, s, &c);
+        gd__surface_at(curve->surface, c.at, &x);
+        *out = gd_vec3_scale(gd__velocity(&x, c.first), step);
+        if (gd_vec3_length(*out) > still) return true;
+        s = step > 0 ? curve->breaks[i + 1] : curve->breaks[i];
+    }
+    return false;
+}
+
+/* At an end in a pole that a curve passes: does the way grow longer when it ends beside it on the curve? */
+static bool is_held(const struct gd__way *way, int side)
+{
+    const struct gd__chain *chain = way->part[side ? way->parts - 1 : 0].chain;
+    const struct gd__joint *joint = &chain->joints[side ? chain->piece_count : 0];
+    if (joint->kind != GD__JOINT_LINE || !joint->curve) return true;
+    struct gd_jet x;
+    struct gd_vec3 along, path = gd_vec3_scale(gd__chain_velocity(chain, side, &x), side ? 1 : -1);
+    for (int step = -1; step <= 1; step += 2)
+        if (leaving(joint->curve, joint->passes, step, &along) &&
+            gd_vec3_dot(path, along) < -GD_TOL_END * gd_vec3_length(path) * gd_vec3_length(along))
+            return false;
+    return true;
+}
+
+bool gd__way_is_geodesic(const struct gd__task *task, const struct gd__way *way)
 {
     for (uint32_t i = 0; i < way->parts; i++)
-        if (gd__solution_is_bent(&way->part[i])) return false;
+        if (gd__solution_is_bent(task, &way->part[i])) return false;
+    if (!is_held(way, 0) || !is_held(way, 1)) return false;
     if (way->parts < 2) return true;
     struct gd_jet x;
     struct gd_vec3 in = gd__chain_velocity(way->part[0].chain, 1, &x);
@@ -108,6 +155,19 @@ static struct gd__joint joint_of(const struct gd_domain_curve *curve, double s, 
         joint.place[k] = period > 0 ? round((at[k] - here[k]) / period) * period : 0;
     }
     return joint;
+}
+
+/* Where the place on the curve is a pole: the pole itself, in place of the curve. True: it is. */
+static bool tip_joint(const struct gd_domain_curve *curve, double s, const double at[2], struct gd__joint *joint)
+{
+    for (int k = 0; k < 2 && !curve->is_point; k++) {
+        if (!gd__surface_pole(curve->surface, k, at[k])) continue;
+        *joint = pole_joint(curve->surface, k, at);
+        joint->curve = curve;
+        joint->passes = s;
+        return true;
+    }
+    return false;
 }
 
 struct visit {
@@ -217,12 +277,9 @@ static enum gd_status solve_beside(const struct gd__task *task, const struct gd_
     return status;
 }
 
-enum gd_status gd__ways_of_seed(const struct gd__task *task, const struct gd_domain_curve *const ends[2],
-                                const struct gd__seed *seed, struct gd__way *out, uint32_t *count)
+static enum gd_status solve_ways(const struct gd__task *task, const struct gd__joint joint[2],
+                                 const struct gd__trail *trail, struct gd__way *out, uint32_t *count)
 {
-    const struct gd__trail *trail = &seed->trail;
-    struct gd__joint joint[2] = {joint_of(ends[0], seed->s[0], trail->at[0]),
-                                 joint_of(ends[1], seed->s[1], trail->at[trail->count - 1])};
     struct visit visit;
     bool visits = find_visit(task->surface, trail, &visit);
     enum gd_status status = GD_OK;
@@ -250,6 +307,29 @@ enum gd_status gd__ways_of_seed(const struct gd__task *task, const struct gd_dom
     }
     for (uint32_t i = 0; i < made && status; i++) gd__way_free(&out[i]);
     for (uint32_t i = 0; i < made; i++) out[i].by_pole = visits;
+    if (!status) *count = made;
+    return status;
+}
+
+enum gd_status gd__ways_of_seed(const struct gd__task *task, const struct gd_domain_curve *const ends[2],
+                                const struct gd__seed *seed, struct gd__way *out, uint32_t *count)
+{
+    const struct gd__trail *trail = &seed->trail;
+    struct gd__joint joint[2], tip[2];
+    bool tips = false;
+    for (int side = 0; side < 2; side++) {
+        const double *at = trail->at[side ? trail->count - 1 : 0];
+        tip[side] = joint[side] = joint_of(ends[side], seed->s[side], at);
+        tips = tip_joint(ends[side], seed->s[side], at, &tip[side]) || tips;
+    }
+    uint32_t made;
+    enum gd_status status = solve_ways(task, joint, trail, out, &made);
+    if (!status && tips) {
+        out[made] = (struct gd__way){.parts = 1, .tip = true};
+        status = gd__solve_coarse(task, trail, &tip[0], &tip[1], &out[made].part[0]);
+        for (uint32_t i = 0; i < made && status; i++) gd__way_free(&out[i]);
+        made++;
+    }
     if (!status) *count = made;
     return status;
 }

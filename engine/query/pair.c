@@ -1,3 +1,4 @@
+#include "field/arrivals.h"
 #include "query/search.h"
 
 /* Point to point. The metric is symmetric, so a field of either end answers; a path is reversed when it was traced from `to`. */
@@ -17,34 +18,39 @@ static void reverse(struct gd_path *path)
 }
 
 /* `end` is the point that the field is asked at; `reversed`: it is where the answer's path begins already. */
-static enum gd_status ask(const struct gd_field *field, const struct gd_point *end, bool end_is_from, bool want_path,
-                          struct gd_pair_answer *out)
+static enum gd_status ask(const struct gd_field *field, const struct gd_point *end, bool end_is_from,
+                          enum gd_pair_wish wish, struct gd_pair_answer *out)
 {
     struct gd_pair_answer answer = {0};
     enum gd_status status = gd_field_distance(field, end, &answer.distance);
-    if (!status && want_path && isfinite(answer.distance)) status = gd_field_path(field, end, &answer.path);
-    if (status) return status;
+    if (!status && wish && isfinite(answer.distance)) status = gd_field_path(field, end, &answer.path);
+    if (!status && answer.path.count && wish == GD_PAIR_PATH_AND_CUT)
+        status = gd__field_path_is_cut(field, &answer.path, &answer.is_cut);
+    if (status) {
+        gd_pair_answer_free(&answer);
+        return status;
+    }
     if (!end_is_from && answer.path.count) reverse(&answer.path);
     *out = answer;
     return GD_OK;
 }
 
 enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_point *from, const struct gd_point *to,
-                                  bool want_path, struct gd_pair_answer *out)
+                                  enum gd_pair_wish wish, struct gd_pair_answer *out)
 {
     struct gd_point seed;
     if (!gd_field_single_seed(field, &seed)) return GD_INVALID_ARGUMENT;
-    if (gd_point_equal(&seed, from)) return ask(field, to, false, want_path, out);
-    if (gd_point_equal(&seed, to)) return ask(field, from, true, want_path, out);
+    if (gd_point_equal(&seed, from)) return ask(field, to, false, wish, out);
+    if (gd_point_equal(&seed, to)) return ask(field, from, true, wish, out);
     return GD_INVALID_ARGUMENT;
 }
 
 enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                             bool want_path, const struct gd_landmarks *landmarks, const struct gd_control *control,
-                             struct gd_pair_answer *out, struct gd_detail *detail)
+                             enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
+                             const struct gd_control *control, struct gd_pair_answer *out, struct gd_detail *detail)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd__search(mesh, from, to, want_path, landmarks, control, &answer);
+    enum gd_status status = gd__search(mesh, from, to, wish, landmarks, control, &answer);
     if (status) {
         gd_pair_answer_free(&answer);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));

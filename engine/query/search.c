@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/share.h"
-#include "field/layout.h"
+#include "field/arrivals.h"
 #include "query/landmarks.h"
 
 /* A shortest path in a graph bounds the distance from above (wedge/guide.h). Windows are propagated in the surroundings of that path first, where they
@@ -14,7 +14,7 @@ struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
     const struct gd_point *target;
-    bool want_path;
+    enum gd_pair_wish wish;
     struct gd_pair_answer *out;
     double distance; /* of the last run, inside unit */
 };
@@ -43,7 +43,9 @@ static enum gd_status answer(void *user, struct gd__wavefront *front, const stru
     enum gd_status status = view(search, front->work, &field);
     if (status) return status;
     search->distance = gd__field_leg(&field, search->target).distance;
-    if (search->out && search->want_path) status = gd_field_path(&field, search->target, &search->out->path);
+    if (search->out && search->wish) status = gd_field_path(&field, search->target, &search->out->path);
+    if (search->out && search->wish == GD_PAIR_PATH_AND_CUT && !status)
+        status = gd__field_path_is_cut(&field, &search->out->path, &search->out->is_cut);
     free(field.face_seeds);
     return status;
 }
@@ -90,14 +92,14 @@ static enum gd_status search_in(struct gd_workspace *work, struct search *search
 }
 
 enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                          bool want_path, const struct gd_landmarks *landmarks, const struct gd_control *control,
-                          struct gd_pair_answer *out)
+                          enum gd_pair_wish wish, const struct gd_landmarks *landmarks,
+                          const struct gd_control *control, struct gd_pair_answer *out)
 {
     if (gd_point_component(mesh, from) != gd_point_component(mesh, to)) {
         out->distance = INFINITY;
         return GD_OK;
     }
-    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .want_path = want_path};
+    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .wish = wish};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;

@@ -67,6 +67,19 @@ static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *f
     return sum;
 }
 
+/* Around a vertex that stays, sums of E - V and of F - V become (sum E + sum F / 4) / 2 and (2 sum E + sum F) / 4 of them; of that matrix the larger eigenvalue is
+ * (3 + sqrt 5) / 8, larger than that of any part that turns around the vertex, and its left eigenvector (1, (sqrt 5 - 1) / 4). */
+static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
+{
+    const double weight = (sqrt(5) - 1) / 4;
+    struct gd_vec3 own = net->points[net->origin[fan->sides[0]]], sum = {0};
+    for (uint32_t i = 0; i < fan->count; i++) {
+        sum = gd_vec3_add(sum, gd_vec3_sub(spoke(net, fan, i), own));
+        sum = gd_vec3_along(sum, weight, gd_vec3_sub(opposite(net, fan->sides[i]), own));
+    }
+    return sum;
+}
+
 /* The left eigenvector of mu = (5 + cos theta + sqrt((1 + cos theta)(9 + cos theta))) / 16, theta = pi / k, of a crease with k faces: with
  * A = sum sin(i theta) E_i and B = sum (sin(i theta) + sin((i+1) theta)) F_i the step takes a A + B, a = 16 mu - 4, to mu times itself and parts of V and of the crease's
  * neighbours Ea, Eb; adding b (Ea + Eb) - ((a + 2) sigma + 2 b) V, b = (mu sin theta - (2 mu - 1/4) sigma) / (mu - 1/4), sigma = cot(theta / 2), makes up for them.
@@ -215,6 +228,7 @@ const struct gd__scheme gd__catmull_clark = {
     .vertex_point = vertex_point,
     .limit = limit,
     .tangent = tangent,
+    .axis = axis,
     .cross = cross,
     .patch = patch,
     .evaluate = evaluate,

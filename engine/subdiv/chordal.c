@@ -111,8 +111,7 @@ static enum gd_status find_level(struct gd__walker *walker, uint32_t face, doubl
             *room = larger;
             *room_level = fine_level;
         }
-        enum gd_status status = gd__grid(walker, face, fine_level, room->positions, room->normals);
-        if (status) return status;
+        gd__grid(walker, face, fine_level, room->positions, room->normals);
         uint32_t cells = 1u << fine_level;
         struct fine fine = {room->positions, room->normals, cells, cells + 1, walker->surface->rules->arity == 3};
         if (fmax(off_inside(&fine), off_sides(&fine)) <= tolerance) {

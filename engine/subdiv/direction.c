@@ -26,5 +26,5 @@ double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector)
     struct gd_vec3 x = first_axis(jet);
     double angle = atan2(gd_vec3_dot(vector, gd_vec3_cross(jet->normal, x)), gd_vec3_dot(vector, x));
     if (angle < 0) angle += 2 * M_PI;
-    return angle < 2 * M_PI ? angle : 0;
+    return angle >= 2 * M_PI ? 0 : angle;
 }

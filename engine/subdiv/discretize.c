@@ -128,7 +128,7 @@ static uint32_t finest(const struct gd__tiling *tiling)
 }
 
 static enum gd_status place_vertices(const struct gd__tiling *tiling, const struct gd_control *control,
-                                     struct gd_discretization *out, struct gd_detail *detail)
+                                     struct gd_discretization *out)
 {
     const struct gd_subdivision *surface = tiling->surface;
     uint32_t most = finest(tiling), faces = surface->base.face_count;
@@ -143,13 +143,11 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling, const stru
             status = gd_control_check(control, 0.5 + 0.4 * face / faces);
             since = 0;
         }
-        if (!status) status = gd__grid(&walker, face, level, room.positions, room.normals);
+        if (status) break;
+        gd__grid(&walker, face, level, room.positions, room.normals);
         struct source source = {.tiling = tiling, .room = &room, .out = out, .face = face, .cells = 1u << level};
         source.frame = gd__base_frame(surface, face, &source.control_face, &source.corner);
-        if (!status) put_face(&source);
-        if (status == GD_INTERNAL)
-            gd_fail(detail, status, "the surface has no normal somewhere in face %u: control points coincide there",
-                    source.control_face);
+        put_face(&source);
     }
     gd__grid_room_free(&room);
     gd__walker_free(&walker);
@@ -181,7 +179,7 @@ enum gd_status gd_discretize(const struct gd_subdivision *surface, const struct 
     if (!status) status = plan(surface, options, control, &tiling, detail);
     if (status) return status;
     status = create(&tiling, control, &made);
-    if (!status) status = place_vertices(&tiling, control, &made, detail);
+    if (!status) status = place_vertices(&tiling, control, &made);
     if (!status) status = tile(&tiling, control, &made);
     gd__tiling_free(&tiling);
     if (status)

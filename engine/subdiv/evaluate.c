@@ -4,7 +4,9 @@
 
 #include "subdiv/walker.h"
 
-/* Principal curvatures from the first and second fundamental forms; NaN where the derivatives span no plane. */
+static const struct gd_vec3 nowhere = {NAN, NAN, NAN};
+
+/* Principal curvatures from the first and second fundamental forms; NaN where there is no normal. */
 static void curvatures(const struct gd__jet *jet, struct gd_vec3 normal, double out[2])
 {
     double e = gd_vec3_dot(jet->s, jet->s), f = gd_vec3_dot(jet->s, jet->t), g = gd_vec3_dot(jet->t, jet->t);
@@ -24,6 +26,8 @@ static struct gd_limit_jet jet_of_vertex(const struct gd__vertex *vertex, const 
         turn.t[i] = (turn.t[i] > 0) - (turn.t[i] < 0);
     }
     jet = gd__chart_jet(&turn, &jet);
+    if (!(gd_vec3_length(jet.s) > 0)) jet.s = nowhere; /* at a spike, along a side that is opposite to it */
+    if (!(gd_vec3_length(jet.t) > 0)) jet.t = nowhere;
     return (struct gd_limit_jet){.position = vertex->position,
                                  .normal = vertex->normal,
                                  .du = jet.s,
@@ -39,33 +43,30 @@ static struct gd__chart corner_frame(const struct gd_subdivision *surface, const
     return gd__chart_child(base, &surface->rules->children[corner]);
 }
 
-static enum gd_status evaluate_vertex(struct gd__walker *walker, uint32_t face, uint32_t corner,
-                                      const struct gd__chart *frame, struct gd_limit_jet *out)
+static struct gd_limit_jet evaluate_vertex(struct gd__walker *walker, uint32_t face, uint32_t corner,
+                                           const struct gd__chart *frame)
 {
     struct gd__vertex vertex;
-    enum gd_status status = gd__corner_limit(walker, face, corner, &vertex);
-    if (status) return status;
+    gd__corner_limit(walker, face, corner, &vertex);
     struct gd__chart at = corner_frame(walker->surface, frame, corner);
-    *out = jet_of_vertex(&vertex, &at);
-    return GD_OK;
+    return jet_of_vertex(&vertex, &at);
 }
 
-static enum gd_status evaluate(struct gd__walker *walker, const struct gd_limit_point *place, struct gd_limit_jet *out)
+static struct gd_limit_jet evaluate(struct gd__walker *walker, const struct gd_limit_point *place)
 {
     uint32_t face, piece_corner, corner;
     struct gd__spot spot = gd__spot_of(walker->surface, place);
     struct gd__chart frame = gd__base_frame(walker->surface, spot.face, &face, &piece_corner);
-    if (!gd__cell_at(walker, &spot, 0, 0, &corner)) return evaluate_vertex(walker, spot.face, corner, &frame, out);
+    if (!gd__cell_at(walker, &spot, 0, 0, &corner)) return evaluate_vertex(walker, spot.face, corner, &frame);
     struct gd__jet jet = gd__cell_jet(walker, spot.s, spot.t);
     jet = gd__chart_jet(&frame, &jet);
     struct gd_vec3 normal = gd_vec3_cross(jet.s, jet.t);
     double area = gd_vec3_length(normal);
-    if (!(area > 0 && area < INFINITY)) return GD_INTERNAL;
-    normal = gd_vec3_scale(normal, 1 / area);
-    *out = (struct gd_limit_jet){
+    normal = area > 0 && area < INFINITY ? gd_vec3_scale(normal, 1 / area) : nowhere;
+    struct gd_limit_jet out = {
         .position = jet.p, .normal = normal, .du = jet.s, .dv = jet.t, .duu = jet.ss, .duv = jet.st, .dvv = jet.tt};
-    curvatures(&jet, normal, out->curvatures);
-    return GD_OK;
+    curvatures(&jet, normal, out.curvatures);
+    return out;
 }
 
 enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface, const struct gd_limit_point *places,
@@ -79,11 +80,7 @@ enum gd_status gd_limit_evaluate_many(const struct gd_subdivision *surface, cons
         struct gd_limit_point place = places[i];
         if (i % 64 == 0) status = gd_control_check(control, (double)i / (double)count);
         if (!status) status = gd__place_check(surface, &place, detail);
-        if (status) break;
-        status = evaluate(&walker, &place, &out[i]);
-        if (status)
-            gd_fail(detail, status, "the surface has no normal in face %u at (%g,%g): control points coincide there",
-                    place.face, place.u, place.v);
+        if (!status) out[i] = evaluate(&walker, &place);
     }
     gd__walker_free(&walker);
     return status;

@@ -8,16 +8,23 @@
 
 bool gd__components(const struct gd__jet *jet, struct gd_vec3 vector, double out[2])
 {
-    double e = gd_vec3_dot(jet->s, jet->s), f = gd_vec3_dot(jet->s, jet->t), g = gd_vec3_dot(jet->t, jet->t);
-    double x = gd_vec3_dot(jet->s, vector), y = gd_vec3_dot(jet->t, vector), area = e * g - f * f;
-    if (!(area > 0)) return false;
-    out[0] = (g * x - f * y) / area;
-    out[1] = (e * y - f * x) / area;
+    /* by cross products, which lose less than products of lengths where the derivatives are nearly parallel */
+    struct gd_vec3 normal = gd_vec3_cross(jet->s, jet->t);
+    double square = gd_vec3_dot(normal, normal);
+    if (!(square > 0)) return false;
+    out[0] = gd_vec3_dot(gd_vec3_cross(vector, jet->t), normal) / square;
+    out[1] = gd_vec3_dot(gd_vec3_cross(jet->s, vector), normal) / square;
     return true;
+}
+
+double gd__sine(const struct gd__jet *jet)
+{
+    return gd_vec3_length(gd_vec3_cross(jet->s, jet->t)) / (gd_vec3_length(jet->s) * gd_vec3_length(jet->t));
 }
 
 struct slope {
     double v[4];
+    double sine;
 };
 
 static struct slope slope_at(const struct gd__scheme *rules, const struct gd__patch *patch, const double y[4])
@@ -29,7 +36,7 @@ static struct slope slope_at(const struct gd__scheme *rules, const struct gd__pa
     a = gd_vec3_along(a, 2 * y[2] * y[3], jet.st);
     a = gd_vec3_along(a, y[3] * y[3], jet.tt);
     if (!gd__components(&jet, a, c)) c[0] = c[1] = NAN;
-    return (struct slope){{y[2], y[3], -c[0], -c[1]}};
+    return (struct slope){{y[2], y[3], -c[0], -c[1]}, gd__sine(&jet)};
 }
 
 static void midpoint(const struct gd__scheme *rules, const struct gd__patch *patch, const double from[4],
@@ -74,7 +81,7 @@ bool gd__flow_advance(const struct gd__scheme *rules, const struct gd__patch *pa
             double ratio = (double)(k + 1) / (j + 1), weight = 1 / (ratio * ratio - 1);
             for (int i = 0; i < 4; i++) row[j][i] = row[j + 1][i] + weight * (row[j + 1][i] - row[j][i]);
         }
-        if (k > 1 && difference(row[0], last) <= GD_TOL_GEODESIC) {
+        if (k > 1 && difference(row[0], last) * first.sine <= GD_TOL_GEODESIC) {
             *out = (struct gd__flow){row[0][0], row[0][1], row[0][2], row[0][3]};
             return true;
         }

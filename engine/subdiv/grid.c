@@ -22,8 +22,8 @@ static struct part part_of_child(const struct part *part, const struct gd__child
                          child->s[0] * s + child->s[1] * t, child->t[0] * s + child->t[1] * t};
 }
 
-static enum gd_status paint_patch(const struct canvas *canvas, const struct gd__net *ring, const struct part *part,
-                                  struct gd_vec3 origin)
+static void paint_patch(const struct canvas *canvas, const struct gd__net *ring, const struct part *part,
+                        struct gd_vec3 origin)
 {
     const struct gd__scheme *rules = gd__scheme_of(ring);
     struct gd__patch patch;
@@ -35,56 +35,55 @@ static enum gd_status paint_patch(const struct canvas *canvas, const struct gd__
         for (uint32_t j = 0; j <= last; j++) {
             ptrdiff_t at = part->origin + (ptrdiff_t)i * part->step_s + (ptrdiff_t)j * part->step_t;
             double square = gd_vec3_dot(canvas->normals[at], canvas->normals[at]);
-            if (!(square > 0 && square < INFINITY)) return GD_INTERNAL;
+            bool known = square > 0 && square < INFINITY;
             canvas->positions[at] = gd_vec3_add(canvas->positions[at], origin);
-            canvas->normals[at] = gd_vec3_scale(canvas->normals[at], 1 / sqrt(square));
+            canvas->normals[at] = known ? gd_vec3_scale(canvas->normals[at], 1 / sqrt(square)) : (struct gd_vec3){0};
         }
     }
-    return GD_OK;
 }
 
-static enum gd_status paint_corners(const struct canvas *canvas, uint32_t stage, const struct part *part,
-                                    struct gd_vec3 origin)
+static void paint_corners(const struct canvas *canvas, uint32_t stage, const struct part *part, struct gd_vec3 origin)
 {
     static const int place[2][4][2] = {{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
     uint32_t arity = canvas->walker->surface->rules->arity;
-    enum gd_status status = GD_OK;
-    for (uint32_t k = 0; !status && k < arity; k++) {
+    for (uint32_t k = 0; k < arity; k++) {
         struct gd__vertex vertex;
         const int *at = place[arity == 4][k];
         ptrdiff_t index = part->origin + at[0] * part->step_s + at[1] * part->step_t;
-        status = gd__vertex_limit(canvas->walker, stage, k, stage + 1, origin, &vertex);
-        if (status) break;
+        gd__vertex_limit(canvas->walker, stage, k, stage + 1, origin, &vertex);
         canvas->positions[index] = vertex.position;
-        canvas->normals[index] = vertex.normal;
+        canvas->normals[index] = isnan(vertex.normal.x) ? (struct gd_vec3){0} : vertex.normal;
     }
-    return status;
 }
 
 /* Depth of recursion: the level. */
-static enum gd_status paint(const struct canvas *canvas, uint32_t stage, const struct part *part, struct gd_vec3 origin)
+static void paint(const struct canvas *canvas, uint32_t stage, const struct part *part, struct gd_vec3 origin)
 {
     struct gd__walker *walker = canvas->walker;
     struct gd__stage *here = &walker->stages[stage];
-    if (gd__ring_is_regular(&here->ring, &walker->fan)) return paint_patch(canvas, &here->ring, part, origin);
-    if (part->level == 0) return paint_corners(canvas, stage, part, origin);
+    if (gd__ring_is_regular(&here->ring, &walker->fan)) {
+        paint_patch(canvas, &here->ring, part, origin);
+        return;
+    }
+    if (part->level == 0) {
+        paint_corners(canvas, stage, part, origin);
+        return;
+    }
     gd__net_refine(&here->ring, here->ring.arity, &walker->fan, &here->refined);
-    enum gd_status status = GD_OK;
-    for (uint32_t child = 0; !status && child < GD__CHILDREN; child++) {
+    for (uint32_t child = 0; child < GD__CHILDREN; child++) {
         struct part quarter = part_of_child(part, &walker->surface->rules->children[child]);
         struct gd_vec3 child_origin = origin;
         gd__cut(walker, &here->refined, child, &walker->stages[stage + 1].ring, &child_origin);
-        status = paint(canvas, stage + 1, &quarter, child_origin);
+        paint(canvas, stage + 1, &quarter, child_origin);
     }
-    return status;
 }
 
-enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, struct gd_vec3 *positions,
-                        struct gd_vec3 *normals)
+void gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, struct gd_vec3 *positions,
+              struct gd_vec3 *normals)
 {
     struct canvas canvas = {walker, positions, normals};
     struct part whole = {level, 0, ((ptrdiff_t)1 << level) + 1, 1};
     struct gd_vec3 origin = {0};
     gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);
-    return paint(&canvas, 0, &whole, origin);
+    paint(&canvas, 0, &whole, origin);
 }

@@ -12,9 +12,9 @@ static inline uint32_t gd__grid_stages(uint32_t level)
     return level + 3;
 }
 
-/* Positions and unit normals at (i,j) / 2^level to index i (2^level + 1) + j. GD_INTERNAL: somewhere there is no normal.
+/* Positions and unit normals, 0 where there is none, at (i,j) / 2^level to index i (2^level + 1) + j.
  * A regular face is one polynomial, whose values on a row share the row's sums; of another one all children but those at its irregular corner are. */
-GD_MUST_USE enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, struct gd_vec3 *positions,
-                                    struct gd_vec3 *normals);
+void gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, struct gd_vec3 *positions,
+              struct gd_vec3 *normals);
 
 #endif

@@ -69,9 +69,15 @@ enum gd_status gd_limit_trace(const struct gd_subdivision *surface, const struct
     struct gd_limit_path path = {0};
     struct gd__spot spot = gd__spot_of(surface, &place);
     status = gd__tracer_start(&tracer, &walker, &spot, gd_vec3_scale(direction, 1 / gd_vec3_length(direction)));
-    if (status == GD_INVALID_ARGUMENT) gd_fail(detail, status, "the direction is normal to the surface");
+    if (status == GD_INVALID_ARGUMENT)
+        gd_fail(detail, status, "the direction is normal to the surface: choose one with a part along it");
     if (!status) status = append(&path, surface, &spot, tracer.position);
     if (!status) status = follow(&tracer, length, control, &path);
+    if (status == GD_INTERNAL)
+        gd_fail(
+            detail, status,
+            "the geodesic can't be followed beyond %g of its length, in face %u: control points all but coincide there",
+            path.length, path.steps[path.step_count - 1].place.face);
     gd__walker_free(&walker);
     if (status)
         gd_limit_path_free(&path);

@@ -67,6 +67,13 @@ static struct gd_vec3 tangent(const struct gd__net *net, const struct gd__fan *f
     return sum;
 }
 
+/* Around a vertex that stays the sum of E - V shrinks by 5/8, what turns around it by less. */
+static struct gd_vec3 axis(const struct gd__net *net, const struct gd__fan *fan)
+{
+    struct gd_vec3 own = net->points[net->origin[fan->sides[0]]];
+    return gd_vec3_along(sum_of_spokes(net, fan), -(double)fan->count, own);
+}
+
 /* The left eigenvector of (3 + 2 cos theta) / 8, theta = pi / k: S = sum sin(i theta) E_i takes part of V and of the crease's neighbours Ea, Eb at every step;
  * adding a V + b (Ea + Eb) with b = (sin theta - sigma) / (1 + 2 cos theta), sigma = cot(theta / 2), a = -sigma - 2 b makes it stay in proportion. */
 static struct gd_vec3 cross(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces)
@@ -248,6 +255,7 @@ const struct gd__scheme gd__loop = {
     .vertex_point = vertex_point,
     .limit = limit,
     .tangent = tangent,
+    .axis = axis,
     .cross = cross,
     .patch = patch,
     .evaluate = evaluate,

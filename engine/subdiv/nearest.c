@@ -36,8 +36,8 @@ static bool model_at(struct search *search, const struct gd__spot *spot, struct 
     uint32_t corner;
     struct gd__vertex vertex;
     if (!gd__cell_at(&search->walker, spot, 0, 0, &corner)) {
-        bool known = gd__corner_limit(&search->walker, spot->face, corner, &vertex) == GD_OK;
-        out->position = known ? vertex.position : (struct gd_vec3){INFINITY, INFINITY, INFINITY};
+        gd__corner_limit(&search->walker, spot->face, corner, &vertex);
+        out->position = vertex.position;
         return false;
     }
     struct gd__jet jet = gd__cell_jet(&search->walker, spot->s, spot->t);
@@ -169,13 +169,12 @@ static bool is_local_minimum(const double *squares, uint32_t arity, int i, int j
     return true;
 }
 
-static enum gd_status search_face(struct search *search, uint32_t face)
+static void search_face(struct search *search, uint32_t face)
 {
     struct gd_vec3 positions[SEED_ROW * SEED_ROW], normals[SEED_ROW * SEED_ROW];
     double squares[SEED_ROW * SEED_ROW];
     uint32_t arity = search->walker.surface->rules->arity;
-    enum gd_status status = gd__grid(&search->walker, face, SEED_LEVEL, positions, normals);
-    if (status) return status;
+    gd__grid(&search->walker, face, SEED_LEVEL, positions, normals);
     for (int i = 0; i <= SEED_CELLS; i++) {
         for (int j = 0; j <= (arity == 3 ? SEED_CELLS - i : SEED_CELLS); j++)
             squares[i * SEED_ROW + j] = square_to(positions[i * SEED_ROW + j], search->xyz);
@@ -186,7 +185,6 @@ static enum gd_status search_face(struct search *search, uint32_t face)
             descend(search, (struct gd__spot){face, (double)i / SEED_CELLS, (double)j / SEED_CELLS});
         }
     }
-    return GD_OK;
 }
 
 static double square_to_box(const struct gd__box *box, struct gd_vec3 p)
@@ -214,12 +212,13 @@ static enum gd_status search_all(struct search *search, const struct gd_control 
 {
     const struct gd_subdivision *surface = search->walker.surface;
     uint32_t first = first_face(surface, search->xyz), faces = surface->base.face_count, looked = 0;
-    enum gd_status status = search_face(search, first);
+    enum gd_status status = GD_OK;
+    search_face(search, first);
     for (uint32_t face = 0; !status && face < faces; face++) {
         bool near = face != first && square_to_box(&surface->boxes[face], search->xyz) < search->square;
-        if (near) status = search_face(search, face);
+        if (near) search_face(search, face);
         looked += near ? 4096 : 1;
-        if (status || looked < 1 << 16) continue;
+        if (looked < 1 << 16) continue;
         looked = 0;
         status = gd_control_check(control, (double)face / faces);
     }

@@ -6,6 +6,8 @@
  * position is blended by the mean of the sharpnesses that run out, as OpenSubdiv does. */
 enum rule { RULE_SMOOTH, RULE_CREASE, RULE_CORNER };
 
+#define NOT_PLACED (-1.0F) /* the sharpness of a corner that has no point yet */
+
 static float decayed(float sharpness, float decay)
 {
     return sharpness > decay ? sharpness - decay : 0;
@@ -112,15 +114,16 @@ static void place_points(const struct gd__net *net, uint32_t edges, uint32_t set
     for (uint32_t i = 0; i < out->point_count; i++)
         out->corner[i] = i < net->point_count ? decayed(net->corner[i], 1) : 0;
     for (uint32_t i = 0; i < net->point_count; i++) out->points[i] = net->points[i];
-    /* each point once: by the side at which its fan begins; `out->twin` isn't in use yet and remembers which points are done */
-    for (uint32_t i = 0; i < settled; i++) out->twin[i] = 0;
+    /* each point once: by the side at which its fan begins; those that no face refers to have none, and may be more than there are sides */
+    for (uint32_t i = 0; i < settled; i++) out->corner[i] = NOT_PLACED;
     for (uint32_t side = 0; side < net->side_count; side++) {
         uint32_t point = net->origin[side];
-        if (point >= settled || out->twin[point]) continue;
+        if (point >= settled || out->corner[point] != NOT_PLACED) continue;
         gd__fan_around(net, side, fan);
         out->points[point] = vertex_point(net, fan, of_faces);
-        out->twin[point] = 1;
+        out->corner[point] = decayed(net->corner[point], 1);
     }
+    for (uint32_t i = 0; i < settled; i++) out->corner[i] = fmaxf(out->corner[i], 0);
 }
 
 /* The child at the origin of `side`: corner, edge point ahead, (face point,) edge point behind. */

@@ -41,6 +41,8 @@ struct gd__scheme {
     /* Limit masks of a closed fan without sharp edges, and the tangent towards spoke 0 turned by `angle` (2 pi / n is the next spoke). */
     struct gd_vec3 (*limit)(const struct gd__net *net, const struct gd__fan *fan);
     struct gd_vec3 (*tangent)(const struct gd__net *net, const struct gd__fan *fan, double angle);
+    /* ... with the vertex held where it is: the direction that the ring takes as it shrinks, 0: none. */
+    struct gd_vec3 (*axis)(const struct gd__net *net, const struct gd__fan *fan);
     /* ... and, at a crease with `faces` faces from spoke `begin` on, the tangent into the surface across it. */
     struct gd_vec3 (*cross)(const struct gd__net *net, const struct gd__fan *fan, uint32_t begin, uint32_t faces);
 

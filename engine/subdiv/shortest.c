@@ -102,13 +102,19 @@ static double arc(double chord, double a, double b)
     return chord * (1 + (2 * a * a - a * b + 2 * b * b) / 30);
 }
 
+/* How much of a chord of unit length the normal sees; nothing where there is none. */
+static double slope_at(const struct gd_limit_jet *jet, struct gd_vec3 way, double chord)
+{
+    return isnan(jet->normal.x) ? 0 : -gd_vec3_dot(jet->normal, way) / chord;
+}
+
 /* Of the surface's curve from one jet's point to the other's, straight but for what the normals tell. */
 static double arc_between(const struct gd_limit_jet *from, const struct gd_limit_jet *to)
 {
     struct gd_vec3 way = gd_vec3_sub(to->position, from->position);
     double chord = gd_vec3_length(way);
     if (!(chord > 0)) return 0;
-    return arc(chord, -gd_vec3_dot(from->normal, way) / chord, -gd_vec3_dot(to->normal, way) / chord);
+    return arc(chord, slope_at(from, way, chord), slope_at(to, way, chord));
 }
 
 /* Over three points: what the middle one adds to the whole's length is a quarter of what is missing, since normals tell how the surface bends, but not how the
@@ -157,7 +163,8 @@ static enum gd_status relax(const struct search *search, struct gd_limit_shortes
     if (!(out->distance > 0)) return GD_OK;
     enum gd_status status = gd_limit_relax(gd_limit_mesh_surface(search->fine), search->places, search->count,
                                            search->control, &found, search->detail);
-    if (status == GD_INVALID_ARGUMENT) return GD_OK; /* the ends are too near to each other to tell a direction */
+    /* the ends are too near to each other to tell a direction, or there is none at the start, or geodesics can't be followed */
+    if (status == GD_INVALID_ARGUMENT || status == GD_INTERNAL) return GD_OK;
     if (!status) prefer_geodesic(search, &found, out);
     return status;
 }

@@ -18,19 +18,22 @@ static void settle(uint32_t arity, uint32_t k, struct gd__flow *flow)
     flow->s = at[0], flow->t = at[1];
 }
 
-/* The state in the piece's coordinates, and back. */
+/* The state in the piece's coordinates, on its border where it is within slack of that. In small pieces the base face's coordinates tell places with an error, and axes turn within
+ * small pieces as much as within large ones: so it is the direction that is taken apart, at the very place. */
 static struct gd__flow flow_in(const struct gd__tracer *tracer)
 {
-    struct gd__chart frame = tracer->walker->piece.frame;
-    double at[2], move[2];
-    gd__chart_in(&frame, tracer->spot.s, tracer->spot.t, at);
-    frame.origin[0] = frame.origin[1] = 0;
-    gd__chart_in(&frame, tracer->ds, tracer->dt, move);
-    struct gd__flow flow = {at[0], at[1], move[0], move[1]};
-    for (uint32_t k = 0; k < rules_of(tracer)->arity; k++) {
-        if (fabs(gd__line_at(rules_of(tracer)->arity, k, flow.s, flow.t)) <= tracer->walker->piece.slack)
-            settle(rules_of(tracer)->arity, k, &flow);
+    const struct gd__scheme *rules = rules_of(tracer);
+    const struct gd__cell *piece = &tracer->walker->piece;
+    struct gd__jet jet;
+    double at[2], move[2] = {NAN, NAN};
+    gd__chart_in(&piece->frame, tracer->spot.s, tracer->spot.t, at);
+    struct gd__flow flow = {.s = at[0], .t = at[1]};
+    for (uint32_t k = 0; k < rules->arity; k++) {
+        if (fabs(gd__line_at(rules->arity, k, flow.s, flow.t)) <= piece->slack) settle(rules->arity, k, &flow);
     }
+    rules->evaluate(&piece->patch, flow.s, flow.t, &jet);
+    (void)gd__components(&jet, tracer->direction, move);
+    flow.ds = move[0], flow.dt = move[1];
     return flow;
 }
 
@@ -61,6 +64,14 @@ static void flow_out(struct gd__tracer *tracer, const struct gd__flow *flow)
     tracer->ds = move[0] / length, tracer->dt = move[1] / length;
 }
 
+/* Where derivatives span no plane nothing is straight. */
+static enum gd_status end_here(struct gd__tracer *tracer)
+{
+    tracer->ended = true;
+    tracer->end = GD_LIMIT_END_SINGULAR;
+    return GD_OK;
+}
+
 /* Enters the piece at the spot; the direction's components are those of `direction` there. */
 static enum gd_status enter(struct gd__tracer *tracer, struct gd_vec3 direction)
 {
@@ -70,7 +81,7 @@ static enum gd_status enter(struct gd__tracer *tracer, struct gd_vec3 direction)
         return gd__tracer_leave_vertex(tracer, tracer->spot.face, corner, direction);
     struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
     tracer->position = jet.p;
-    if (!gd__components(&jet, direction, c)) return GD_INTERNAL;
+    if (!gd__components(&jet, direction, c)) return end_here(tracer);
     tracer->ds = c[0], tracer->dt = c[1];
     struct gd_vec3 vector = gd_vec3_along(gd_vec3_scale(jet.s, c[0]), c[1], jet.t);
     if (!(gd_vec3_length(vector) > GD_TOL_INPUT * gd_vec3_length(direction))) return GD_INVALID_ARGUMENT;
@@ -84,7 +95,9 @@ enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *wa
     *tracer = (struct gd__tracer){.walker = walker, .spot = *spot, .direction = direction};
     enum gd_status status = enter(tracer, direction);
     /* once more: now it is known which of the pieces that meet here it leads into */
-    return status || walker->piece.face == GD_NONE ? status : enter(tracer, tracer->direction);
+    if (!status && !tracer->ended && walker->piece.face != GD_NONE) status = enter(tracer, tracer->direction);
+    tracer->under_way = true;
+    return status;
 }
 
 /* The side of the base face over which the path is about to go, GD_NONE: it is not. */
@@ -130,7 +143,7 @@ static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
     }
     struct gd_vec3 along, normal, next_along, next_normal;
     struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
-    if (!side_axes(&jet, arity, k, &along, &normal)) return GD_INTERNAL;
+    if (!side_axes(&jet, arity, k, &along, &normal)) return end_here(tracer);
     double x = gd_vec3_dot(tracer->direction, along);
     double y = gd_vec3_dot(tracer->direction, gd_vec3_cross(along, normal));
 
@@ -144,8 +157,9 @@ static enum gd_status cross_side(struct gd__tracer *tracer, uint32_t k)
     double s = b[0] - a[0], t = b[1] - a[1]; /* along the side; turned to the left it leads inwards */
     if (!gd__cell_at(tracer->walker, &tracer->spot, -x * s - y * t, -x * t + y * s, &corner))
         return gd__tracer_leave_vertex(tracer, tracer->spot.face, corner, tracer->direction);
+    if (base->sharpness[twin] != INFINITY) return enter(tracer, tracer->direction); /* smooth: the same vector */
     jet = gd__cell_jet(tracer->walker, in[0], in[1]);
-    if (!side_axes(&jet, arity, other, &next_along, &next_normal)) return GD_INTERNAL;
+    if (!side_axes(&jet, arity, other, &next_along, &next_normal)) return end_here(tracer);
     struct gd_vec3 inwards = gd_vec3_cross(next_normal, next_along);
     return enter(tracer, gd_vec3_along(gd_vec3_scale(next_along, -x), y, inwards));
 }
@@ -214,8 +228,8 @@ static double step_to_border(struct gd__tracer *tracer, const struct gd__flow *f
     return step;
 }
 
-/* The vertex at the nearest corner of the base face, if the piece is small and the path about to meet it. */
-static enum gd_status meet_vertex(struct gd__tracer *tracer, bool *met)
+/* The vertex at the nearest corner of the base face, if the piece is small and the path about to meet it within `most`. */
+static enum gd_status meet_vertex(struct gd__tracer *tracer, double most, bool *met)
 {
     const struct gd__cell *piece = &tracer->walker->piece;
     double scale = fabs(piece->frame.s[0]) + fabs(piece->frame.s[1]);
@@ -224,13 +238,17 @@ static enum gd_status meet_vertex(struct gd__tracer *tracer, bool *met)
     uint32_t face = tracer->spot.face;
     uint32_t corner = gd__nearest_corner(rules_of(tracer)->arity, tracer->spot.s, tracer->spot.t);
     struct gd__vertex vertex;
-    enum gd_status status = gd__corner_limit(tracer->walker, face, corner, &vertex);
-    if (status) return status;
+    gd__corner_limit(tracer->walker, face, corner, &vertex);
     struct gd_vec3 way = gd_vec3_sub(vertex.position, tracer->position);
-    bool near = gd_vec3_length(way) <= GD_TOL_VERTEX * tracer->walker->surface->size || scale < ldexp(1, -40);
-    if (!near || gd_vec3_dot(way, tracer->direction) <= 0) return GD_OK;
+    double length = gd_vec3_length(way), width = length;
+    if (isnan(vertex.normal.x)) { /* a spike that thin is its axis, and on it the path goes to the tip */
+        struct gd__jet jet = gd__cell_jet(tracer->walker, tracer->spot.s, tracer->spot.t);
+        width *= gd__sine(&jet);
+    }
+    bool near = width <= GD_TOL_VERTEX * tracer->walker->surface->size || scale < ldexp(1, -40);
+    if (!near || length > most || gd_vec3_dot(way, tracer->direction) <= 0) return GD_OK;
     *met = true;
-    tracer->skipped += gd_vec3_length(way);
+    tracer->skipped += length;
     return gd__tracer_leave_vertex(tracer, face, corner, tracer->direction);
 }
 
@@ -238,10 +256,12 @@ enum gd_status gd__tracer_step(struct gd__tracer *tracer, double most, double *l
 {
     const struct gd__scheme *rules = rules_of(tracer);
     bool met = false, at_border;
-    enum gd_status status = meet_vertex(tracer, &met);
-    *length += tracer->skipped;
-    tracer->skipped = 0;
-    if (status || met || tracer->ended) return status;
+    enum gd_status status = meet_vertex(tracer, most, &met);
+    if (!met || tracer->ended) {
+        *length += tracer->skipped;
+        tracer->skipped = 0;
+    }
+    if (status || met) return status;
     struct gd__flow from = flow_in(tracer), end;
     double speed = fmax(fabs(from.ds), fabs(from.dt)), step = fmin(most, 1 / speed);
     while (!gd__flow_advance(rules, &tracer->walker->piece.patch, &from, step, &end)) {

@@ -18,15 +18,15 @@ struct gd__tracer {
     struct gd_vec3 direction; /* the same as a vector of unit length */
     struct gd_vec3 position;
     double skipped; /* length of way over vertices that isn't counted yet */
-    bool ended;
+    bool under_way, ended;
     enum gd_limit_end end;
 };
 
-/* At a spot, in a tangent direction. GD_INVALID_ARGUMENT: nothing of the direction is tangent; GD_INTERNAL. */
+/* At a spot, in a tangent direction of unit length. GD_INVALID_ARGUMENT: nothing of the direction is tangent. Where there is no tangent plane it ends at once. */
 GD_MUST_USE enum gd_status gd__tracer_start(struct gd__tracer *tracer, struct gd__walker *walker,
                                             const struct gd__spot *spot, struct gd_vec3 direction);
 
-/* One step of at most `most`, whose length is added to `*length`. */
+/* One step of at most `most`, whose length is added to `*length`. GD_INTERNAL: no step is short enough to be exact. */
 GD_MUST_USE enum gd_status gd__tracer_step(struct gd__tracer *tracer, double most, double *length);
 
 /* Sets the spot to the vertex that is corner `corner` of a base face, and goes on from there in `direction`. */

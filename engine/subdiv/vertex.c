@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/tolerance.h"
 #include "subdiv/refine.h"
 
 enum kind {
@@ -10,6 +11,7 @@ enum kind {
     KIND_DART, /* a crease ends */
     KIND_CREASE,
     KIND_CORNER,
+    KIND_SPIKE,  /* a corner in the middle of a smooth surface */
     KIND_PASSING /* semi-sharp: another kind after some steps */
 };
 
@@ -24,6 +26,7 @@ static enum kind kind_of(const struct gd__net *net, const struct gd__fan *fan)
         sharp += sharpness == INFINITY;
     }
     if (passing) return KIND_PASSING;
+    if (corner > 0 && fan->closed && sharp == 0) return KIND_SPIKE;
     if (corner > 0 || sharp > 2) return KIND_CORNER;
     return sharp == 2 ? KIND_CREASE : sharp == 1 ? KIND_DART : KIND_SMOOTH;
 }
@@ -60,6 +63,7 @@ static bool corner_is_regular(const struct gd__net *net, uint32_t side, struct g
     case KIND_CORNER:
         return rules->corner_patches && net->sharpness[side] > 0 && net->sharpness[gd__side_previous(net, side)] > 0;
     case KIND_DART:
+    case KIND_SPIKE:
     case KIND_PASSING:
         break;
     }
@@ -74,24 +78,22 @@ bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan)
     return true;
 }
 
-static enum gd_status to_unit(struct gd_vec3 *v)
+/* NAN where there is no direction. */
+static struct gd_vec3 unit(struct gd_vec3 v)
 {
-    double length = gd_vec3_length(*v);
-    if (!(length > 0 && length < INFINITY)) return GD_INTERNAL;
-    *v = gd_vec3_scale(*v, 1 / length);
-    return GD_OK;
+    double length = gd_vec3_length(v);
+    if (!(length > 0 && length < INFINITY)) return (struct gd_vec3){NAN, NAN, NAN};
+    return gd_vec3_scale(v, 1 / length);
 }
 
-static enum gd_status to_units(struct gd__vertex *vertex)
+static void to_units(struct gd__vertex *vertex)
 {
-    enum gd_status status = to_unit(&vertex->normal);
-    if (!status) status = to_unit(&vertex->s);
-    if (!status) status = to_unit(&vertex->t);
-    return status;
+    vertex->normal = unit(vertex->normal);
+    vertex->s = unit(vertex->s);
+    vertex->t = unit(vertex->t);
 }
 
-static enum gd_status smooth_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
-                                   struct gd__vertex *out)
+static void smooth_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
 {
     const struct gd__scheme *rules = gd__scheme_of(net);
     uint32_t own = 0;
@@ -102,7 +104,23 @@ static enum gd_status smooth_limit(const struct gd__net *net, const struct gd__f
                                .normal = gd_vec3_cross(x, y),
                                .s = rules->tangent(net, fan, own * step),
                                .t = rules->tangent(net, fan, (own + 1) * step)};
-    return to_units(out);
+    to_units(out);
+}
+
+/* The ring shrinks more slowly along the spike's axis than across it: all ways from the vertex begin along the axis, and there is no tangent plane. Where the ring has no such part, as in an
+ * even plane, what is across is what a smooth vertex has, for the vertex' own place is no part of that. */
+static void spike_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
+{
+    const struct gd__scheme *rules = gd__scheme_of(net);
+    struct gd_vec3 own = net->points[net->origin[side]], axis = rules->axis(net, fan);
+    double around = 0;
+    for (uint32_t i = 0; i < fan->count; i++)
+        around += gd_vec3_distance(net->points[gd__side_end(net, fan->sides[i])], own);
+    if (gd_vec3_length(axis) > GD_TOL_SPIKE * around)
+        *out = (struct gd__vertex){.normal = {NAN, NAN, NAN}, .s = unit(axis), .t = unit(axis)};
+    else
+        smooth_limit(net, fan, side, out);
+    out->position = own;
 }
 
 /* Along the crease, or, from an inner spoke of three or more faces, across it: there the ring shrinks less across the crease than along it. */
@@ -112,8 +130,7 @@ static struct gd_vec3 crease_direction(struct sector sector, uint32_t spoke, str
     return spoke == sector.faces ? gd_vec3_scale(along, -1) : cross;
 }
 
-static enum gd_status crease_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
-                                   struct gd__vertex *out)
+static void crease_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
 {
     struct sector sector = sector_of(net, fan, side);
     uint32_t spokes = gd__fan_spokes(fan);
@@ -127,12 +144,11 @@ static enum gd_status crease_limit(const struct gd__net *net, const struct gd__f
         .s = crease_direction(sector, sector.own, along, cross),
         .t = crease_direction(sector, sector.own + 1, along, cross),
     };
-    return to_units(out);
+    to_units(out);
 }
 
 /* Darts and corners have no masks in closed form: their rings have been subdivided until only their shape is left. */
-static enum gd_status shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side,
-                                  struct gd__vertex *out)
+static void shape_limit(const struct gd__net *net, const struct gd__fan *fan, uint32_t side, struct gd__vertex *out)
 {
     bool corner = kind_of(net, fan) == KIND_CORNER;
     struct gd_vec3 own = net->points[net->origin[side]];
@@ -148,29 +164,28 @@ static enum gd_status shape_limit(const struct gd__net *net, const struct gd__fa
         out->normal = gd_vec3_add(out->normal, gd_vec3_cross(gd_vec3_sub(a, limit), gd_vec3_sub(b, limit)));
     }
     if (corner) out->normal = gd_vec3_cross(out->s, out->t);
-    return to_units(out);
+    bool is_plane = gd_vec3_length(out->normal) > GD_TOL_SPIKE * gd_vec3_length(out->s) * gd_vec3_length(out->t);
+    if (corner && !is_plane) out->normal = (struct gd_vec3){NAN, NAN, NAN};
+    to_units(out);
 }
 
-enum gd_status gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
-                                struct gd_vec3 origin, struct gd__vertex *out)
+void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free, struct gd_vec3 origin,
+                      struct gd__vertex *out)
 {
-    struct gd__vertex vertex;
-    enum gd_status status = GD_INTERNAL;
+    static void (*const limits[])(const struct gd__net *, const struct gd__fan *, uint32_t, struct gd__vertex *) = {
+        [KIND_SMOOTH] = smooth_limit, [KIND_CREASE] = crease_limit, [KIND_SPIKE] = spike_limit, [KIND_PASSING] = NULL};
     for (uint32_t depth = 0;; depth++) {
         const struct gd__net *net = &walker->stages[at].ring;
         gd__fan_around(net, corner, &walker->fan);
         enum kind kind = kind_of(net, &walker->fan);
-        if (kind == KIND_SMOOTH) status = smooth_limit(net, &walker->fan, corner, &vertex);
-        if (kind == KIND_CREASE) status = crease_limit(net, &walker->fan, corner, &vertex);
-        if (depth == GD__DEPTH_MOST) status = shape_limit(net, &walker->fan, corner, &vertex);
-        if (kind == KIND_SMOOTH || kind == KIND_CREASE || depth == GD__DEPTH_MOST) break;
+        if (limits[kind] || depth == GD__DEPTH_MOST) {
+            (limits[kind] ? limits[kind] : shape_limit)(net, &walker->fan, corner, out);
+            break;
+        }
         uint32_t to = free + depth % 2;
         gd__descend(walker, at, gd__child_at_corner(net, corner), to, &origin);
         at = to;
         corner = 0;
     }
-    if (status) return status;
-    vertex.position = gd_vec3_add(vertex.position, origin);
-    *out = vertex;
-    return GD_OK;
+    out->position = gd_vec3_add(out->position, origin);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/tolerance.h"
+#include "subdiv/domain.h"
 
 /* How far `direction` is inside of the corner of a face, by the sine of the angle to the nearer edge; below 0: outside. */
 static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 direction)
@@ -13,31 +14,56 @@ static double inside_by(const struct gd__vertex *vertex, struct gd_vec3 directio
     return fmin(left, right);
 }
 
-/* Whether the surface is smooth at the vertex: inside, and no crease meets it. */
+/* Whether the surface is smooth at the vertex: inside, and no crease that stays meets it. */
 static bool is_smooth(const struct gd__net *base, const struct gd__fan *fan)
 {
-    if (!fan->closed || base->corner[base->origin[fan->sides[0]]] > 0) return false;
+    if (!fan->closed || base->corner[base->origin[fan->sides[0]]] == INFINITY) return false;
     for (uint32_t i = 0; i < fan->count; i++) {
-        if (gd__spoke_sharpness(base, fan, i) > 0) return false;
+        if (gd__spoke_sharpness(base, fan, i) == INFINITY) return false;
     }
     return true;
 }
 
-/* The side that begins at the vertex, in the face into which the direction leads. */
-static enum gd_status side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction, uint32_t *found)
+/* The side at which the faces between two creases begin, clockwise of `side`; without creases `side`. */
+static uint32_t sector_begin(const struct gd__net *base, uint32_t side)
+{
+    uint32_t at = side;
+    while (base->sharpness[at] != INFINITY) {
+        at = gd__side_next(base, base->twin[at]);
+        if (at == side) break;
+    }
+    return at;
+}
+
+/* The side that begins at the vertex, in the face of its sector into which the direction leads best, and by how much. */
+static uint32_t side_towards(struct gd__walker *walker, uint32_t side, struct gd_vec3 direction, double *best)
 {
     const struct gd__net *base = &walker->surface->base;
-    double best = -INFINITY;
-    uint32_t at = side;
+    uint32_t begin = sector_begin(base, side), at = begin, found = begin, before;
+    *best = -INFINITY;
     do {
         struct gd__vertex vertex;
-        enum gd_status status = gd__corner_limit(walker, at / base->arity, at % base->arity, &vertex);
-        if (status) return status;
+        gd__corner_limit(walker, at / base->arity, at % base->arity, &vertex);
         double inside = inside_by(&vertex, direction);
-        if (inside > best) best = inside, *found = at;
-        at = base->twin[gd__side_previous(base, at)];
-    } while (at != side);
-    return GD_OK;
+        if (inside > *best) *best = inside, found = at;
+        before = gd__side_previous(base, at);
+        at = base->twin[before];
+    } while (at != begin && base->sharpness[before] != INFINITY);
+    return found;
+}
+
+/* ... GD_NONE: no way on is straight. Creases and corners have a tangent plane in each sector: a path may begin in one, but none passes through. */
+static uint32_t way_on(struct gd__tracer *tracer, uint32_t side, struct gd_vec3 direction)
+{
+    struct gd__walker *walker = tracer->walker;
+    const struct gd__net *base = &walker->surface->base;
+    double inside;
+    gd__fan_around(base, side, &walker->fan);
+    bool smooth = is_smooth(base, &walker->fan), closed = walker->fan.closed;
+    tracer->end = tracer->under_way || closed ? GD_LIMIT_END_SINGULAR : GD_LIMIT_END_BOUNDARY;
+    if (!smooth && tracer->under_way) return GD_NONE;
+    uint32_t towards = side_towards(walker, side, direction, &inside);
+    return smooth || inside >= -GD_TOL_INPUT ? towards : GD_NONE;
 }
 
 /* The spot at `reach` and `angle` from a corner, in the corner's own axes. */
@@ -72,38 +98,45 @@ static struct gd__spot spot_towards(struct gd__walker *walker, uint32_t side, co
     return spot_near(walker, side, reach, (low + high) / 2);
 }
 
+/* So near that the surface is flat, but no nearer than coordinates can tell. */
+static double reach_from(struct gd__walker *walker, uint32_t side, const struct gd__vertex *vertex)
+{
+    double reach = ldexp(1, -10), far = 0;
+    do {
+        reach /= 2;
+        struct gd__spot spot = spot_near(walker, side, reach, M_PI / 4);
+        far = gd_vec3_distance(position_at(walker, &spot), vertex->position);
+    } while (far > GD_TOL_VERTEX * walker->surface->size && reach > ldexp(1, -40));
+    return reach;
+}
+
 enum gd_status gd__tracer_leave_vertex(struct gd__tracer *tracer, uint32_t face, uint32_t corner,
                                        struct gd_vec3 direction)
 {
     struct gd__walker *walker = tracer->walker;
-    const struct gd__net *base = &walker->surface->base;
-    uint32_t side = base->arity * face + corner, towards = side;
+    uint32_t side = walker->surface->base.arity * face + corner, towards = GD_NONE;
     struct gd__vertex vertex;
-    enum gd_status status = gd__corner_limit(walker, face, corner, &vertex);
-    if (status) return status;
+    double at[2];
+    gd__corner_limit(walker, face, corner, &vertex);
+    gd__place_on_side(walker->surface->base.arity, corner, 0, at);
+    tracer->spot = (struct gd__spot){face, at[0], at[1]};
     tracer->position = vertex.position;
-    gd__fan_around(base, side, &walker->fan);
-    if (!is_smooth(base, &walker->fan)) {
+    tracer->end = GD_LIMIT_END_SINGULAR;
+    if (!isnan(vertex.normal.x)) {
+        direction = gd_vec3_along(direction, -gd_vec3_dot(direction, vertex.normal), vertex.normal);
+        double length = gd_vec3_length(direction);
+        if (!(length > GD_TOL_INPUT)) return GD_INVALID_ARGUMENT;
+        direction = gd_vec3_scale(direction, 1 / length);
+        towards = way_on(tracer, side, direction);
+    }
+    if (towards == GD_NONE) {
         tracer->ended = true;
-        tracer->end = GD_LIMIT_END_SINGULAR;
         return GD_OK;
     }
-    direction = gd_vec3_along(direction, -gd_vec3_dot(direction, vertex.normal), vertex.normal);
-    double length = gd_vec3_length(direction);
-    if (!(length > 0)) return GD_INVALID_ARGUMENT;
-    direction = gd_vec3_scale(direction, 1 / length);
-    status = side_towards(walker, side, direction, &towards);
-    if (status) return status;
-    /* so near that the surface is flat, but no nearer than coordinates can tell */
-    double reach = ldexp(1, -10), far = 0;
-    do {
-        reach /= 2;
-        struct gd__spot spot = spot_near(walker, towards, reach, M_PI / 4);
-        far = gd_vec3_distance(position_at(walker, &spot), vertex.position);
-    } while (far > GD_TOL_VERTEX * walker->surface->size && reach > ldexp(1, -40));
+    double reach = reach_from(walker, towards, &vertex);
     struct gd__spot spot = spot_towards(walker, towards, &vertex, reach, direction);
     double skipped = tracer->skipped + gd_vec3_distance(position_at(walker, &spot), vertex.position);
-    status = gd__tracer_start(tracer, walker, &spot, direction);
+    enum gd_status status = gd__tracer_start(tracer, walker, &spot, direction);
     tracer->skipped = skipped;
     return status;
 }

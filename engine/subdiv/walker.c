@@ -206,9 +206,9 @@ struct gd__jet gd__cell_jet(const struct gd__walker *walker, double s, double t)
     return jet;
 }
 
-enum gd_status gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner, struct gd__vertex *out)
+void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner, struct gd__vertex *out)
 {
     struct gd_vec3 origin = {0};
     gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);
-    return gd__vertex_limit(walker, 0, corner, 1, origin, out);
+    gd__vertex_limit(walker, 0, corner, 1, origin, out);
 }

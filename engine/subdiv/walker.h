@@ -55,14 +55,14 @@ void gd__descend(struct gd__walker *walker, uint32_t from, uint32_t child, uint3
  * infinitely sharp and has as many faces on this side as a straight one, or (Catmull-Clark) corners of one face. */
 bool gd__ring_is_regular(const struct gd__net *ring, struct gd__fan *fan);
 
-/* What the surface does at a vertex, seen from a face: directions of the two edges of the face, of unit length, and the normal. */
+/* What the surface does at a vertex, seen from a face: directions of the two edges of the face, of unit length, and the normal. NAN where there is none. */
 struct gd__vertex {
     struct gd_vec3 position, normal, s, t;
 };
 
-/* At corner `corner` of face 0 of stage `at`, whose origin is `origin`; stages `free` and `free` + 1 are used. GD_INTERNAL: there is no normal. */
-GD_MUST_USE enum gd_status gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free,
-                                            struct gd_vec3 origin, struct gd__vertex *out);
+/* At corner `corner` of face 0 of stage `at`, whose origin is `origin`; stages `free` and `free` + 1 are used. */
+void gd__vertex_limit(struct gd__walker *walker, uint32_t at, uint32_t corner, uint32_t free, struct gd_vec3 origin,
+                      struct gd__vertex *out);
 
 /* The piece at a spot, into walker->piece; where pieces meet, the one that (ds,dt) leads into. False: the spot is a vertex that is no piece's, corner
  * `*corner` of the base face. */
@@ -71,8 +71,7 @@ bool gd__cell_at(struct gd__walker *walker, const struct gd__spot *spot, double 
 /* The surface at a spot of walker->piece, in the coordinates of its base face. */
 struct gd__jet gd__cell_jet(const struct gd__walker *walker, double s, double t);
 
-/* The surface at a corner of a base face. GD_INTERNAL as gd__vertex_limit. */
-GD_MUST_USE enum gd_status gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner,
-                                            struct gd__vertex *out);
+/* The surface at a corner of a base face. */
+void gd__corner_limit(struct gd__walker *walker, uint32_t face, uint32_t corner, struct gd__vertex *out);
 
 #endif

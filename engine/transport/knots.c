@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "gd/query.h"
 #include "transport/route.h"
 
 /* --- paths --------------------------------------------------------------------------------------------------------------- */
@@ -15,34 +14,13 @@ static enum gd_status refuse(const struct gd__knotting *knotting, uint32_t which
     return GD_INVALID_ARGUMENT;
 }
 
-/* The shortest path from point i to point j. It is searched in the order of their places, so that reversed points have the same paths even where
- * there are several. */
-static enum gd_status search(const struct gd__knotting *knotting, uint32_t i, uint32_t j,
-                             const struct gd_control *control, struct gd_path *out)
-{
-    const struct gd_point *from = &knotting->request->points[i], *to = &knotting->request->points[j];
-    bool is_swapped = gd__point_follows(from, to);
-    struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(knotting->mesh, is_swapped ? to : from, is_swapped ? from : to, true,
-                                          knotting->request->landmarks, control, &answer, knotting->detail);
-    if (status) return status;
-    knotting->share->done++;
-    if (!answer.path.count) {
-        gd_pair_answer_free(&answer);
-        return refuse(knotting, j, "points %u and %u of the spline lie on components that no path joins", i);
-    }
-    if (is_swapped) gd__points_reverse(answer.path.points, answer.path.count);
-    *out = answer.path;
-    return GD_OK;
-}
-
 /* Between points that are one there is no direction. */
 static enum gd_status check_apart(const struct gd__knotting *knotting)
 {
     double longest = 0;
-    for (uint32_t i = 0; i < knotting->hop_count; i++) longest = fmax(longest, knotting->hops[i].length);
+    for (uint32_t i = 0; i < knotting->hop_count; i++) longest = fmax(longest, knotting->hops[i].path.length);
     for (uint32_t i = 0; i < knotting->hop_count; i++) {
-        if (knotting->hops[i].length > GD_TOL_SAME_POINT * longest) continue;
+        if (knotting->hops[i].path.length > GD_TOL_SAME_POINT * longest) continue;
         if (i + 1 == knotting->request->count)
             return refuse(knotting, i, "point %u is there again as point %u; a closed spline joins its ends by itself",
                           0);
@@ -51,15 +29,27 @@ static enum gd_status check_apart(const struct gd__knotting *knotting)
     return GD_OK;
 }
 
+static bool is_given(const struct gd_spline_request *request, uint32_t i)
+{
+    return request->tangents && (!request->is_given || request->is_given[i]);
+}
+
+/* The point before point i, and the hop from there. */
+static uint32_t before(const struct gd__knotting *knotting, uint32_t i)
+{
+    return i ? i - 1 : knotting->hop_count - 1;
+}
+
 enum gd_status gd__knots_search(struct gd__knotting *knotting)
 {
-    enum gd_status status = GD_OK;
-    size_t held = 0;
-    for (uint32_t i = 0; i < knotting->hop_count && !status; i++) {
-        const struct gd_control own = gd__share_control(knotting->share, held);
-        status = search(knotting, i, (i + 1) % knotting->request->count, &own, &knotting->hops[i]);
-        held += knotting->hops[i].count * sizeof(struct gd_point);
-    }
+    const struct gd_spline_request *request = knotting->request;
+    uint32_t hops = knotting->hop_count, count = request->count;
+    for (uint32_t i = 0; i < hops; i++) knotting->hops[i] = (struct gd__hop){.from = i, .to = (i + 1) % count};
+    for (uint32_t i = request->closed ? 0 : 1; i < hops && knotting->total_count > hops; i++)
+        if (!is_given(request, i))
+            knotting->hops[hops + i] = (struct gd__hop){.from = before(knotting, i), .to = (i + 1) % count};
+    enum gd_status status = gd__hops_search(knotting->mesh, request, knotting->share, knotting->hops,
+                                            knotting->total_count, knotting->detail);
     return status ? status : check_apart(knotting);
 }
 
@@ -103,39 +93,37 @@ static enum gd_status moved(const struct gd__knotting *knotting, const struct gd
 
 /* --- inner points -------------------------------------------------------------------------------------------------------- */
 
-/* The parameters' difference across point i, and the hop that comes to it. */
-static double span_around(const struct gd__knotting *knotting, uint32_t i, uint32_t *before)
+/* (1-c), by the parameters' difference across point i. */
+static double slope_at(const struct gd__knotting *knotting, uint32_t i)
 {
     const struct gd_spline_knot *knots = knotting->knots;
-    *before = i ? i - 1 : knotting->hop_count - 1;
-    return knots[i + 1].parameter - knots[i].parameter + knots[*before + 1].parameter - knots[*before].parameter;
+    uint32_t last = before(knotting, i);
+    return (1 - knotting->request->tension) /
+           (knots[i + 1].parameter - knots[i].parameter + knots[last + 1].parameter - knots[last].parameter);
 }
 
 static enum gd_status symmetric_tangent(const struct gd__knotting *knotting, uint32_t i, struct gd_vector *out)
 {
-    uint32_t before;
-    double factor = (1 - knotting->request->tension) / span_around(knotting, i, &before);
+    double slope = slope_at(knotting, i);
     struct gd_vector vectors[2];
-    enum gd_status status = log_of(knotting, &knotting->hops[i], false, &vectors[0]);
-    if (!status) status = log_of(knotting, &knotting->hops[before], true, &vectors[1]);
+    enum gd_status status = log_of(knotting, &knotting->hops[i].path, false, &vectors[0]);
+    if (!status) status = log_of(knotting, &knotting->hops[before(knotting, i)].path, true, &vectors[1]);
     if (!status)
-        *out =
-            gd_vector_combine(knotting->mesh, &knotting->request->points[i], vectors, (double[2]){factor, -factor}, 2);
+        *out = gd_vector_combine(knotting->mesh, &knotting->request->points[i], vectors, (double[2]){slope, -slope}, 2);
     return status;
 }
 
 static enum gd_status paper_tangent(const struct gd__knotting *knotting, uint32_t i, struct gd_vector *out)
 {
-    uint32_t before, count = knotting->request->count;
-    double factor = (1 - knotting->request->tension) / span_around(knotting, i, &before);
-    struct gd_path path;
+    const struct gd_path *chord = &knotting->hops[knotting->hop_count + i].path;
     struct gd_vector vector = {0};
-    enum gd_status status = search(knotting, before, (i + 1) % count, knotting->control, &path);
-    if (status) return status;
-    status = log_of(knotting, &path, false, &vector);
-    gd_path_free(&path);
-    vector.length *= factor;
-    return status ? status : moved(knotting, &knotting->hops[before], false, &vector, out);
+    if (!chord->count) { /* there and back: both neighbours are one point */
+        *out = gd_vector_combine(knotting->mesh, &knotting->request->points[i], NULL, NULL, 0);
+        return GD_OK;
+    }
+    enum gd_status status = log_of(knotting, chord, false, &vector);
+    vector.length *= slope_at(knotting, i);
+    return status ? status : moved(knotting, &knotting->hops[before(knotting, i)].path, false, &vector, out);
 }
 
 /* --- ends ---------------------------------------------------------------------------------------------------------------- */
@@ -148,18 +136,13 @@ static enum gd_status natural_tangent(const struct gd__knotting *knotting, bool 
     const struct gd_spline_knot *knots = knotting->knots;
     double slope = (at_end ? -1 : 1) / (knots[hop + 1].parameter - knots[hop].parameter);
     struct gd_vector vectors[2] = {0};
-    enum gd_status status = log_of(knotting, &knotting->hops[hop], at_end, &vectors[0]);
+    enum gd_status status = log_of(knotting, &knotting->hops[hop].path, at_end, &vectors[0]);
     if (!status && !is_alone)
-        status = moved(knotting, &knotting->hops[hop], !at_end, &knots[neighbour].tangent, &vectors[1]);
+        status = moved(knotting, &knotting->hops[hop].path, !at_end, &knots[neighbour].tangent, &vectors[1]);
     if (status) return status;
     *out = gd_vector_combine(knotting->mesh, &knotting->request->points[here], vectors,
                              (double[2]){is_alone ? slope : 1.5 * slope, -0.5}, is_alone ? 1 : 2);
     return GD_OK;
-}
-
-static bool is_given(const struct gd_spline_request *request, uint32_t i)
-{
-    return request->tangents && (!request->is_given || request->is_given[i]);
 }
 
 static enum gd_status fill_ends(const struct gd__knotting *knotting)
@@ -182,7 +165,7 @@ static void fill_parameters(const struct gd__knotting *knotting)
     double parameter = 0;
     for (uint32_t i = 0; i <= knotting->hop_count; i++) {
         knotting->knots[i].parameter = parameter;
-        if (i < knotting->hop_count) parameter += pow(knotting->hops[i].length, knotting->request->alpha);
+        if (i < knotting->hop_count) parameter += pow(knotting->hops[i].path.length, knotting->request->alpha);
     }
 }
 

@@ -21,7 +21,8 @@ bool gd__line_grow(struct gd__line *line)
     double part = line->length > 0 ? fmin((line->gone + line->carry) / line->length, 1) : 0;
     line->status = gd_control_check(line->control, part);
     if (!line->status)
-        line->status = gd_control_afford(line->control, ((size_t)capacity + line->capacity) * sizeof *line->points);
+        line->status = gd_control_afford(line->control, (line->others + (size_t)1) *
+                                                            ((size_t)capacity + line->capacity) * sizeof *line->points);
     if (line->status) return false;
     struct gd_point *points = realloc(line->points, capacity * sizeof *points);
     if (!points) {

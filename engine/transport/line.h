@@ -13,6 +13,7 @@ struct gd__line {
     double length;      /* that was asked for */
     double gone, carry; /* sum of the segments: gone + carry */
     const struct gd_control *control;
+    uint32_t others;       /* lines that grow at the same time, out of the same budget */
     enum gd_status status; /* sticky: the first failure */
 };
 

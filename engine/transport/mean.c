@@ -24,6 +24,7 @@ struct view {
     double heading; /* and the turn in which it is so steep */
     double length;  /* of the next step */
     double turn;    /* and where it leads */
+    bool is_cut;    /* a path to one of the points is not the only shortest one */
 };
 
 struct finder {
@@ -44,17 +45,18 @@ static double weight_of(const struct finder *finder, uint32_t i)
 /* --- one place ----------------------------------------------------------------------------------------------------------- */
 
 static enum gd_status pull_of(const struct finder *finder, const struct gd_point *from, uint32_t i,
-                              struct gd__pull *pull, double *length)
+                              struct gd__pull *pull, double *length, bool *is_cut)
 {
     struct gd_pair_answer answer;
     struct gd_log log;
-    enum gd_status status = gd_pair_solve(finder->mesh, from, &finder->request->points[i], true,
+    enum gd_status status = gd_pair_solve(finder->mesh, from, &finder->request->points[i], GD_PAIR_PATH_AND_CUT,
                                           finder->request->landmarks, finder->control, &answer, finder->detail);
     if (status) return status;
     status = gd_vector_log(finder->mesh, &answer.path, &log, finder->detail);
     gd_pair_answer_free(&answer);
     if (status) return status;
     double weight = weight_of(finder, i);
+    *is_cut |= answer.is_cut && weight > 0;
     *length = log.vector.length / finder->mesh->unit;
     *pull = (struct gd__pull){.turn = gd__turn_of_angle(finder->mesh, from, log.vector.direction.angle),
                               .strength = *length * weight,
@@ -67,14 +69,15 @@ static enum gd_status pull_of(const struct finder *finder, const struct gd_point
 static enum gd_status look(const struct finder *finder, const struct gd_point *point, struct view *out)
 {
     double value = 0, length;
+    bool is_cut = false;
     for (uint32_t i = 0; i < finder->request->count; i++) {
-        enum gd_status status = pull_of(finder, point, i, &finder->pulls[i], &length);
+        enum gd_status status = pull_of(finder, point, i, &finder->pulls[i], &length, &is_cut);
         if (status) return status;
         value += finder->pulls[i].strength * length;
         if (finder->share->done + 1 < finder->share->total) finder->share->done++;
     }
     uint32_t count = finder->request->count;
-    struct view view = {.point = *point, .value = value / finder->weights};
+    struct view view = {.point = *point, .value = value / finder->weights, .is_cut = is_cut};
     view.slope = gd__ascent(finder->mesh, point, finder->pulls, count, &view.heading) / finder->weights;
     view.length = gd__ascent_step(finder->mesh, point, finder->pulls, count, view.heading, &view.turn);
     *out = view;
@@ -109,6 +112,7 @@ static enum gd_status try_point(const struct finder *finder, const struct gd_poi
     struct view next;
     enum gd_status status = look(finder, point, &next);
     if (status || !is_better(&next, view)) return status;
+    next.is_cut |= view->is_cut;
     *view = next;
     *has_moved = true;
     return GD_OK;
@@ -222,13 +226,16 @@ static enum gd_status find_in_one_step(const struct finder *finder, struct view 
 {
     struct gd_point point;
     enum gd_status status = look(finder, &finder->request->points[0], view);
+    bool is_cut = view->is_cut;
     if (!status) status = step(finder, view, view->heading, fmax(view->slope, 0), &point);
-    return status ? status : look(finder, &point, view);
+    if (!status) status = look(finder, &point, view);
+    view->is_cut |= is_cut;
+    return status;
 }
 
 static enum gd_status find(struct finder *finder, struct gd_mean *out)
 {
-    struct view view;
+    struct view view = {0};
     uint32_t iterations = 1;
     enum gd_status status = GD_OK;
     if (finder->request->one_step) {
@@ -243,7 +250,8 @@ static enum gd_status find(struct finder *finder, struct gd_mean *out)
                             .residual = fmax(view.slope, 0) * finder->mesh->unit,
                             .spread = sqrt(view.value) * finder->mesh->unit,
                             .iterations = iterations,
-                            .converged = is_there(&view)};
+                            .converged = is_there(&view),
+                            .is_cut = view.is_cut};
     return GD_OK;
 }
 

@@ -119,9 +119,7 @@ enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *rou
 enum gd_status gd__route_ahead(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double *out)
 {
     struct gd__straight part;
-    uint32_t end = 1;
-    while (end + 1 < count && points[end].kind == GD_POINT_EDGE) end++;
-    enum gd_status status = gd__unfold(mesh, points, end + 1, &part);
+    enum gd_status status = gd__unfold(mesh, points, gd__route_bend(points, count, 0) + 1, &part);
     if (!status) *out = part.ahead;
     return status;
 }

@@ -47,6 +47,14 @@ struct gd_point gd__route_between(const struct gd_mesh *mesh, const struct gd_po
 GD_MUST_USE enum gd_status gd__route_split(const struct gd_mesh *mesh, struct gd__route *route, double part,
                                            const struct gd_control *control, uint32_t *out);
 
+/* Where the straight part of a geodesic that begins at point i < count - 1 ends: at its next vertex, or its last point. */
+static inline uint32_t gd__route_bend(const struct gd_point *points, uint32_t count, uint32_t i)
+{
+    do i++;
+    while (i + 1 < count && points[i].kind == GD_POINT_EDGE);
+    return i;
+}
+
 /* The turn (turn.h) in which a geodesic of at least two points leaves its first one; at the last one, the turn to where it came from. It is laid flat up to its
  * next vertex, so that the turn is as exact as that is far. GD_INTERNAL: two points have no face in common. */
 GD_MUST_USE enum gd_status gd__route_ahead(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,

@@ -80,10 +80,10 @@ static enum gd_status make_segment(struct spline_work *work, uint32_t i, struct 
     bool clipped[2] = {false, false};
     out->begin = begin;
     out->end = end;
-    out->distance = knotting->hops[i].length;
+    out->distance = knotting->hops[i].path.length;
     enum gd_status status = trace_leg(knotting, i, third, &out->legs[0], &clipped[0]);
     if (!status) status = trace_leg(knotting, i + 1, -third, &out->legs[2], &clipped[1]);
-    if (!status) status = join_legs(work, &knotting->hops[i], out);
+    if (!status) status = join_legs(work, &knotting->hops[i].path, out);
     if (status) return status;
     out->control[1] = out->legs[0].points[out->legs[0].count - 1];
     out->control[2] = out->legs[2].points[out->legs[2].count - 1];
@@ -91,6 +91,7 @@ static enum gd_status make_segment(struct spline_work *work, uint32_t i, struct 
     out->control[0] = out->legs[0].points[0];
     out->control[3] = out->legs[2].points[out->legs[2].count - 1];
     out->is_clipped = clipped[0] || clipped[1];
+    out->is_cut = knotting->hops[i].is_cut;
     return GD_OK;
 }
 
@@ -163,22 +164,20 @@ static enum gd_status make(struct spline_work *work, struct gd_spline *spline)
 
 static enum gd_status allocate(struct spline_work *work, struct gd_spline *spline)
 {
-    size_t count = spline->count,
-           bytes = count * (sizeof *work->knotting.hops + sizeof *spline->segments + sizeof *spline->knots);
+    size_t count = spline->count, hops = work->knotting.total_count,
+           bytes = hops * sizeof *work->knotting.hops + count * (sizeof *spline->segments + sizeof *spline->knots);
     enum gd_status status = gd_control_afford(work->knotting.control, bytes);
     if (status) return status;
     spline->segments = calloc(count, sizeof *spline->segments);
     spline->knots = calloc(count + 1, sizeof *spline->knots);
-    work->knotting.hops = calloc(count, sizeof *work->knotting.hops);
+    work->knotting.hops = calloc(hops, sizeof *work->knotting.hops);
     work->knotting.knots = spline->knots;
     return spline->segments && spline->knots && work->knotting.hops ? GD_OK : GD_NO_MEMORY;
 }
 
 static void release(struct spline_work *work)
 {
-    for (uint32_t i = 0; i < work->knotting.hop_count && work->knotting.hops; i++)
-        gd_path_free(&work->knotting.hops[i]);
-    free(work->knotting.hops);
+    gd__hops_free(work->knotting.hops, work->knotting.total_count);
     gd__route_free(&work->route);
     gd__route_free(&work->line);
     gd__straightener_free(&work->straightener);
@@ -190,10 +189,10 @@ enum gd_status gd_spline_build(const struct gd_mesh *mesh, const struct gd_splin
     enum gd_status status = check(request, detail);
     if (status) return status;
     struct gd_spline spline = {.closed = request->closed, .count = request->count - !request->closed};
-    struct gd__share share = {.control = control,
-                              .total = 2 * spline.count + 1}; /* by the paper's rule twice as many */
+    uint32_t hops = request->tangent_rule == GD_TANGENT_PAPER ? 2 * spline.count : spline.count;
+    struct gd__share share = {.control = control, .total = hops + spline.count + 1};
     const struct gd_control own = gd__share_control(&share, 0);
-    struct spline_work work = {.knotting = {mesh, request, &share, &own, detail, spline.count, NULL, NULL},
+    struct spline_work work = {.knotting = {mesh, request, &share, &own, detail, spline.count, hops, NULL, NULL},
                                .straightener = {.mesh = mesh, .control = &own}};
     status = allocate(&work, &spline);
     if (!status) status = make(&work, &spline);

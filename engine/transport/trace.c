@@ -17,7 +17,7 @@ enum halt {
     HALT_NONE,   /* over an edge, into the face of the flight's side */
     HALT_VERTEX, /* at the last point, from the turn `back` */
     HALT_BORDER, /* on the flight's side, which has no face */
-    HALT_END,    /* by length */
+    HALT_END,    /* by length; here and below it is over */
     HALT_STOP,   /* by the boundary */
     HALT_MEETING,
     HALT_LIMIT /* of steps; or the line's status is a failure */
@@ -28,8 +28,10 @@ struct tracer {
     const struct gd_trace_options *options;
     struct gd__line line;
     struct gd__flight flight;
+    enum halt halt;
     double back; /* turn at the last point to where the line came from: at halts but NONE and BORDER */
     struct gd__meetings *meetings; /* NULL: not asked for */
+    struct gd_direction ahead;     /* at the start */
 };
 
 /* --- one face ------------------------------------------------------------------------------------------------------------ */
@@ -141,23 +143,20 @@ static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, c
 
 /* --- flights ------------------------------------------------------------------------------------------------------------- */
 
-/* From face to face until something halts it. Of each face it reads one record, which it asks for as soon as the one before is there. */
-static enum halt fly(struct tracer *tracer)
+/* Over one face. It reads one record of the mesh, and asks for both of those that may be next as soon as that is there. */
+static inline enum halt hop(struct tracer *tracer)
 {
     const struct gd_mesh *mesh = tracer->mesh;
-    enum halt halt = HALT_NONE;
-    while (halt == HALT_NONE) {
-        const struct gd__flight *flight = &tracer->flight;
-        const struct gd_side *s = &mesh->side[flight->side];
-        if (s->left == GD_NONE) return HALT_BORDER;
-        __builtin_prefetch(&mesh->side[s->left]);
-        __builtin_prefetch(&mesh->side[s->right]);
-        struct gd__ray ray = {flight->side, flight->t, 0, flight->dx, flight->dy};
-        struct gd__passage passage = gd__flight_cross(s, &tracer->flight);
-        halt = pass(tracer, &ray, &passage);
-        if (halt == HALT_LIMIT) /* the last point is where the ray begins */
-            tracer->back = gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
-    }
+    const struct gd__flight *flight = &tracer->flight;
+    const struct gd_side *s = &mesh->side[flight->side];
+    if (s->left == GD_NONE) return HALT_BORDER;
+    __builtin_prefetch(&mesh->side[s->left]);
+    __builtin_prefetch(&mesh->side[s->right]);
+    struct gd__ray ray = {flight->side, flight->t, 0, flight->dx, flight->dy};
+    struct gd__passage passage = gd__flight_cross(s, &tracer->flight);
+    enum halt halt = pass(tracer, &ray, &passage);
+    if (halt == HALT_LIMIT) /* the last point is where the ray begins */
+        tracer->back = gd__turn_in_face(mesh, gd__line_last(&tracer->line), ray.side, -ray.dx, -ray.dy);
     return halt;
 }
 
@@ -244,27 +243,29 @@ static enum halt at_vertex(struct tracer *tracer)
 
 /* --- the whole ----------------------------------------------------------------------------------------------------------- */
 
-static enum halt run(struct tracer *tracer, double turn)
+static inline bool is_over(const struct tracer *tracer)
 {
-    enum halt halt = depart(tracer, turn);
-    for (;;) {
-        switch (halt) {
-        case HALT_NONE:
-            halt = fly(tracer);
-            break;
-        case HALT_VERTEX:
-            halt = at_vertex(tracer);
-            break;
-        case HALT_BORDER:
-            halt = at_border(tracer);
-            break;
-        case HALT_END:
-        case HALT_STOP:
-        case HALT_MEETING:
-        case HALT_LIMIT:
-            return halt;
+    return tracer->halt >= HALT_END;
+}
+
+static inline enum halt go_on(struct tracer *tracer)
+{
+    if (tracer->halt == HALT_NONE) return hop(tracer);
+    return tracer->halt == HALT_VERTEX ? at_vertex(tracer) : at_border(tracer);
+}
+
+/* Each a face at a time in turn: while one waits for its record of the mesh the others go on. */
+static void run(struct tracer *tracers, uint32_t count)
+{
+    uint32_t going;
+    do {
+        going = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            if (is_over(&tracers[i])) continue;
+            tracers[i].halt = go_on(&tracers[i]);
+            going++;
         }
-    }
+    } while (going);
 }
 
 static enum gd_trace_end end_of(enum halt halt)
@@ -281,7 +282,7 @@ static enum gd_trace_end end_of(enum halt halt)
     }
 }
 
-static void finish(struct tracer *tracer, enum halt halt, struct gd_trace *out)
+static void finish(struct tracer *tracer, struct gd_trace *out)
 {
     const struct gd__line *line = &tracer->line;
     const struct gd_mesh *mesh = tracer->mesh;
@@ -289,7 +290,7 @@ static void finish(struct tracer *tracer, enum halt halt, struct gd_trace *out)
     struct gd_direction back = gd__turn_direction(mesh, last, tracer->back);
     *out = (struct gd_trace){.path = {(line->gone + line->carry) * mesh->unit, line->count, line->points},
                              .direction = gd_direction_opposite(mesh, last, &back),
-                             .end = end_of(halt)};
+                             .end = end_of(tracer->halt)};
 }
 
 static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *start, const struct gd_direction *ahead,
@@ -301,38 +302,64 @@ static enum gd_status check(const struct gd_mesh *mesh, const struct gd_point *s
     return gd_direction_at_angle(mesh, start, ahead->angle, out, detail);
 }
 
-static enum gd_status open(struct tracer *tracer, const struct gd_point *start)
+/* At its start, on its way over the first face. */
+static enum gd_status open(struct tracer *tracer, const struct gd_point *start, const struct gd_direction *ahead,
+                           double length, struct gd_detail *detail)
 {
+    enum gd_status status = check(tracer->mesh, start, ahead, length, &tracer->ahead, detail);
+    if (status) return status;
     uint64_t limit = tracer->options->step_limit ? tracer->options->step_limit : GD_TRACE_STEPS;
     tracer->line.limit = limit < UINT32_MAX - 1 ? (uint32_t)limit : UINT32_MAX - 1;
-    if (!gd__line_append(&tracer->line, start, 0)) return tracer->line.status;
-    if (!tracer->options->stop_at_self_intersection) return GD_OK;
-    return gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
+    tracer->line.length = length / tracer->mesh->unit;
+    tracer->halt = HALT_END;
+    if (!gd__line_append(&tracer->line, start, 0)) status = tracer->line.status;
+    if (!status && tracer->options->stop_at_self_intersection)
+        status = gd__meetings_create(tracer->mesh, start, tracer->line.control, &tracer->meetings);
+    if (status) return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    if (length > 0) tracer->halt = depart(tracer, gd__turn_of_angle(tracer->mesh, start, tracer->ahead.angle));
+    return GD_OK;
+}
+
+/* The first failure of all. */
+static enum gd_status status_of(const struct tracer *tracers, uint32_t count)
+{
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count && !status; i++) status = tracers[i].line.status;
+    return status;
+}
+
+enum gd_status gd_trace_follow_many(const struct gd_mesh *mesh, const struct gd_point *start,
+                                    const struct gd_direction *ahead, uint32_t count, double length,
+                                    const struct gd_trace_options *options, const struct gd_control *control,
+                                    struct gd_trace *out, struct gd_detail *detail)
+{
+    static const struct gd_trace_options usual = {0};
+    struct tracer tracers[GD_TRACE_LANES];
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count; i++) {
+        tracers[i] = (struct tracer){
+            .mesh = mesh, .options = options ? options : &usual, .line = {.control = control, .others = count - 1}};
+        if (!status) status = open(&tracers[i], start, &ahead[i], length, detail);
+    }
+    if (!status) {
+        run(tracers, count);
+        status = status_of(tracers, count);
+        if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        if (!status) finish(&tracers[i], &out[i]);
+        if (!status && !(length > 0)) out[i].direction = tracers[i].ahead;
+        if (status) free(tracers[i].line.points);
+        gd__meetings_destroy(tracers[i].meetings);
+    }
+    return status;
 }
 
 enum gd_status gd_trace_follow(const struct gd_mesh *mesh, const struct gd_point *start,
                                const struct gd_direction *ahead, double length, const struct gd_trace_options *options,
                                const struct gd_control *control, struct gd_trace *out, struct gd_detail *detail)
 {
-    static const struct gd_trace_options usual = {0};
-    struct tracer tracer = {.mesh = mesh,
-                            .options = options ? options : &usual,
-                            .line = {.length = length / mesh->unit, .control = control}};
-    struct gd_direction checked;
-    enum gd_status status = check(mesh, start, ahead, length, &checked, detail);
-    if (status) return status;
-    status = open(&tracer, start);
-    if (!status) {
-        double turn = gd__turn_of_angle(mesh, start, checked.angle);
-        enum halt halt = length > 0 ? run(&tracer, turn) : HALT_END;
-        status = tracer.line.status;
-        if (!status) finish(&tracer, halt, out);
-        if (!status && !(length > 0)) out->direction = checked;
-    }
-    gd__meetings_destroy(tracer.meetings);
-    if (!status) return GD_OK;
-    free(tracer.line.points);
-    return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    return gd_trace_follow_many(mesh, start, ahead, 1, length, options, control, out, detail);
 }
 
 void gd_trace_free(struct gd_trace *trace)

@@ -6,6 +6,7 @@
 #include "base/tolerance.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
+#include "transport/route.h"
 #include "transport/unfold.h"
 
 /* --- log ----------------------------------------------------------------------------------------------------------------- */
@@ -17,18 +18,10 @@ void gd_log_free(struct gd_log *log)
     *log = (struct gd_log){0};
 }
 
-/* The end of the straight part of a path that begins at point i: its next vertex, or its last point. */
-static uint32_t end_of_part(const struct gd_path *path, uint32_t i)
-{
-    do i++;
-    while (i + 1 < path->count && path->points[i].kind == GD_POINT_EDGE);
-    return i;
-}
-
 static uint32_t count_parts(const struct gd_path *path)
 {
     uint32_t count = 0;
-    for (uint32_t i = 0; i + 1 < path->count; i = end_of_part(path, i)) count++;
+    for (uint32_t i = 0; i + 1 < path->count; i = gd__route_bend(path->points, path->count, i)) count++;
     return count;
 }
 
@@ -44,7 +37,7 @@ static enum gd_status fill_segments(const struct gd_mesh *mesh, const struct gd_
     double sum = 0;
     for (uint32_t i = 0, end; i + 1 < path->count; i = end) {
         struct gd__straight part;
-        end = end_of_part(path, i);
+        end = gd__route_bend(path->points, path->count, i);
         enum gd_status status = gd__unfold(mesh, &path->points[i], end - i + 1, &part);
         if (status) return status;
         if (part.length == 0) continue;
@@ -163,15 +156,12 @@ static struct gd_vector vector_at(const struct gd_mesh *mesh, const struct gd_po
 /* The angle that a vector's has to grow by on its way along a path of at least two points. */
 static enum gd_status find_rotation(const struct gd_mesh *mesh, const struct gd_path *path, double *out)
 {
-    uint32_t last = path->count - 1, before = last;
-    struct gd__straight first, final;
-    do before--;
-    while (before > 0 && path->points[before].kind == GD_POINT_EDGE);
-    enum gd_status status = gd__unfold(mesh, path->points, end_of_part(path, 0) + 1, &first);
-    if (!status) status = gd__unfold(mesh, &path->points[before], path->count - before, &final);
+    double ahead, back;
+    enum gd_status status = gd__route_ahead(mesh, path->points, path->count, &ahead);
+    if (!status) status = gd__route_back(mesh, path->points, path->count, &back);
     if (status) return status;
-    *out = gd__turn_to_angle(mesh, &path->points[last], final.back) + M_PI -
-           gd__turn_to_angle(mesh, &path->points[0], first.ahead);
+    *out = gd__turn_to_angle(mesh, &path->points[path->count - 1], back) + M_PI -
+           gd__turn_to_angle(mesh, &path->points[0], ahead);
     return GD_OK;
 }
 

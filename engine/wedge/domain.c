@@ -189,7 +189,7 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
     front->effort.wedges_recalled += other->effort.wedges_recalled;
     front->wedge_count += other->wedge_count;
     front->bound = fmin(front->bound, other->bound);
-    return front->without_wedges ? GD_OK : take_wedges(front, other);
+    return take_wedges(front, other);
 }
 
 /* --- turns --------------------------------------------------------------------------------------------------------------- */
@@ -281,7 +281,8 @@ bool gd__domain_is_worth_it(const struct gd_mesh *mesh, const struct gd__propaga
                             const struct gd_control *monitor)
 {
     return mesh->face_count >= FACES_LEAST && propagation->seed_count == 1 && !propagation->seeds[0].is_segment &&
-           !propagation->target && !propagation->guide && propagation->radius >= GD__FAR &&
+           !propagation->target && !propagation->guide && !propagation->without_wedges &&
+           propagation->radius >= GD__FAR &&
            (!monitor || !monitor->budget_bytes || monitor->budget_bytes > BUDGET_AN_EDGE * (size_t)mesh->edge_count);
 }
 

@@ -18,7 +18,7 @@ void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver 
 static double incoming_angle(const struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
-    struct gd__birth birth = front->birth[vertex];
+    struct gd__birth birth = *gd__wavefront_birth(front, vertex);
     if (birth.side != GD_NONE) { /* between p -> origin and p -> destination of the side opposite to p = vertex */
         const struct gd_side *s = &mesh->side[birth.side];
         double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
@@ -109,16 +109,22 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
+/* The vertex is a seed, and none comes nearer to it. */
+static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
+{
+    const struct gd__birth *birth = gd__wavefront_birth(front, vertex);
+    uint32_t vertices = front->mesh->vertex_count;
+    return birth->source >= vertices && birth->source != GD_NONE && birth->side == GD_NONE &&
+           front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
+}
+
 static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
-    front->emitted[vertex] = front->distance[vertex];
+    *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
     front->effort.vertices_emitted++;
-    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY,
-         is_seed = front->birth[vertex].source >= mesh->vertex_count && front->birth[vertex].source != GD_NONE &&
-                   front->birth[vertex].side == GD_NONE &&
-                   front->seeds[front->birth[vertex].source - mesh->vertex_count].point.kind == GD_POINT_VERTEX;
+    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY, is_seed = is_seed_vertex(front, vertex);
     if (boundary || is_seed) reach_all_neighbours(front, vertex);
     if (is_seed || front->methods.no_cone) {
         emit_cone(front, vertex, 0, total);

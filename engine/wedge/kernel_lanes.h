@@ -217,18 +217,23 @@ static inline mask contest_equal(mask may, struct sources c, struct sources o, l
     return both(may, either(either(owner_only, challenger_only), both(owner_first, challenger_last)));
 }
 
-/* The lanes in which one of the two is better at both ends. */
-static mask contest_ends(mask may, struct sources c, struct sources o, lanes lo, lanes hi, lanes *at)
+/* The lanes in which one of the two is better in the middle, for where the difference has no root: then it is better all along. */
+static mask contest_middle(mask may, struct sources c, struct sources o, lanes lo, lanes hi, lanes *at)
 {
-    lanes cy2 = c.y * c.y, oy2 = o.y * o.y, lc = lo - c.x, l_o = lo - o.x, hc = hi - c.x, ho = hi - o.x;
-    lanes c_lo = c.sigma + root(lc * lc + cy2), o_lo = o.sigma + root(l_o * l_o + oy2),
-          slack_lo = all(GD_TOL_BETTER) * (c_lo + o_lo);
-    lanes c_hi = c.sigma + root(hc * hc + cy2), o_hi = o.sigma + root(ho * ho + oy2),
-          slack_hi = all(GD_TOL_BETTER) * (c_hi + o_hi);
-    mask owner = both(may, both(gt(c_lo - o_lo, slack_lo), gt(c_hi - o_hi, slack_hi)));
-    mask challenger = both(may, both(gt(o_lo - c_lo, slack_lo), gt(o_hi - c_hi, slack_hi)));
+    lanes middle = all(0.5) * (lo + hi), ec = middle - c.x, eo = middle - o.x;
+    lanes dc = c.sigma + root(ec * ec + c.y * c.y), d_o = o.sigma + root(eo * eo + o.y * o.y), difference = dc - d_o,
+          slack = all(GD_TOL_BETTER) * (dc + d_o);
+    mask owner = both(may, gt(difference, slack)), challenger = both(may, lt(difference, all(0) - slack));
     *at = pick(owner, hi, pick(challenger, lo, *at));
     return either(owner, challenger);
+}
+
+/* Whether n / d lies in (0, span) and on the branch; asked without dividing. */
+static inline mask is_on_branch(lanes p, lanes q, lanes n, lanes d, lanes span, lanes sign, lanes least)
+{
+    const lanes zero = all(0);
+    lanes up = pick(lt(d, zero), zero - n, n), size = magnitude(d);
+    return both(both(gt(up, zero), lt(up, span * size)), ge((p * up + q * size) * sign, least * size));
 }
 
 /* The same for unequal sigma: the difference falls at one root in (lo, hi), or there is none. */
@@ -238,23 +243,23 @@ static inline mask contest_unequal(mask may, struct sources c, struct sources o,
     lanes xc = c.x - lo, xo = o.x - lo, k = o.sigma - c.sigma, k2 = k * k, k4 = all(4) * k2, span = hi - lo;
     lanes p = all(2) * (xo - xc), q = (xc - xo) * (xc + xo) + (c.y - o.y) * (c.y + o.y), s = q + k2, yc2 = c.y * c.y;
     lanes a = k4 - p * p, b = k4 * xc + p * s, e = k4 * (xc * xc + yc2) - s * s, b2 = b * b, discriminant = b2 - a * e;
-    lanes r = root(greater(discriminant, zero)), z = pick(ge(b, zero), b + r, b - r), u = z / a, v = e / z;
+    lanes r = root(greater(discriminant, zero)), z = pick(ge(b, zero), b + r, b - r); /* the roots: z / a and e / z */
     lanes sign = pick(lt(k, zero), all(-1), all(1)),
           least = k2 - all(GD_TOL_BRANCH) * (magnitude(q) + magnitude(p) * span);
     mask real = ge(discriminant, all(-GD_TOL_DISCRIMINANT) * b2);
-    mask first = both(both(gt(u, zero), lt(u, span)), both(real, ge((p * u + q) * sign, least)));
-    mask second = both(both(gt(v, zero), lt(v, span)), both(real, ge((p * v + q) * sign, least)));
+    mask first = both(real, is_on_branch(p, q, z, a, span, sign, least)),
+         second = both(real, is_on_branch(p, q, e, z, span, sign, least));
     mask some = either(first, second), one = both(may, except(some, both(first, second))), none = except(may, some);
-    u = pick(first, u, v);
+    lanes u = pick(first, z, e) / pick(first, a, z);
 
     lanes dc = u - xc, d_o = u - xo, rc = root(dc * dc + yc2), ro = root(d_o * d_o + o.y * o.y), residual = rc - ro - k;
-    lanes slope = (dc * ro - d_o * rc) / (rc * ro), polished = u - residual / slope;
+    lanes product = rc * ro, fall = dc * ro - d_o * rc, polished = u - residual * product / fall;
     one = both(one, both(le(magnitude(residual), all(GD_TOL_ROOT_RESIDUAL) * (rc + ro)),
-                         lt(slope, all(-GD_TOL_POLISH_SLOPE))));
+                         lt(fall, all(-GD_TOL_POLISH_SLOPE) * product)));
     mask polish =
         both(both(gt(polished, zero), lt(polished, span)), lt(magnitude(polished - u), all(GD_TOL_POLISH_STEP) * span));
     *at = lo + pick(polish, polished, u);
-    return any(none) ? either(one, contest_ends(none, c, o, lo, hi, at)) : one;
+    return any(none) ? either(one, contest_middle(none, c, o, lo, hi, at)) : one;
 }
 
 /* --- children ------------------------------------------------------------------------------------------------------------ */

@@ -138,7 +138,45 @@ static bool joins(const struct gd__window *last, const struct gd__window *w, dou
 
 enum push { PUSH_REST, PUSH_AGAIN, PUSH_DONE, PUSH_GENERAL };
 
-/* Contests the window with the last one, which it overlaps; the frequent outcomes trim one of the two in place. */
+static void put(struct gd__stack *list, const struct gd__window *w, double from, double to, double min_width)
+{
+    if (to - from <= min_width) return;
+    struct gd__window *place = &list->windows[list->count++]; /* field by field: see push */
+    place->b0 = from;
+    place->b1 = to;
+    place->x = w->x;
+    place->y = w->y;
+    place->sigma = w->sigma;
+    place->source = w->source;
+    place->tags = w->tags;
+}
+
+/* The part of the window that lies before the last one of the list is useless: others are there already, without a gap, and better. */
+static bool is_beaten_before(const struct gd__stack *list, const struct gd__window *w, double min_width)
+{
+    uint32_t i = list->count - 1;
+    for (; i > 0 && w->b0 < list->windows[i].b0 - min_width; i--) {
+        const struct gd__window *owner = &list->windows[i - 1];
+        double lo = w->b0 > owner->b0 ? w->b0 : owner->b0, hi = owner->b1;
+        if (hi < list->windows[i].b0 - min_width) return false;
+        struct gd__verdict verdict = gd__contest(w, owner, lo, hi);
+        if (verdict.switches || verdict.challenger_first) return false;
+    }
+    return i > 0;
+}
+
+/* The window is better than the last one in [from, to), which falls into two pieces; what reaches beyond that one is left. There is room. */
+static enum push split_last(struct gd__stack *list, struct gd__window *w, double from, double to, double min_width)
+{
+    struct gd__window whole = list->windows[--list->count];
+    put(list, &whole, whole.b0, from, min_width);
+    put(list, w, from, to, min_width);
+    put(list, &whole, to, whole.b1, min_width);
+    w->b0 = whole.b1;
+    return w->b1 > w->b0 ? PUSH_REST : PUSH_DONE;
+}
+
+/* Contests the window with the last one, which it overlaps; the frequent outcomes trim one of the two in place. There is room for three more. */
 static enum push contest_last(struct gd__stack *list, struct gd__window *w, double min_width)
 {
     struct gd__window *last = &list->windows[list->count - 1];
@@ -149,25 +187,25 @@ static enum push contest_last(struct gd__stack *list, struct gd__window *w, doub
         return PUSH_REST;
     }
     struct gd__verdict verdict = gd__contest(w, last, lo, hi);
-    if (verdict.switches == 1 && !verdict.challenger_first && hi == last->b1 && w->b0 >= last->b0) {
-        last->b1 = w->b0 = verdict.at[0];
-        if (last->b1 - last->b0 <= min_width) list->count--;
-        return PUSH_REST;
-    }
-    if (verdict.switches == 0 && verdict.challenger_first && hi == last->b1) {
-        if (lo <= last->b0 + min_width) {
+    if (verdict.switches > 1) return PUSH_GENERAL;
+    bool wins_first = verdict.challenger_first, wins_last = wins_first != (verdict.switches == 1);
+    if (w->b0 < lo && !wins_first && is_beaten_before(list, w, min_width)) w->b0 = lo;
+    double from = wins_first ? lo : wins_last ? verdict.at[0] : hi; /* where it begins to be better */
+    if (hi == last->b1 && wins_last) {
+        if (wins_first && lo <= last->b0 + min_width) {
             list->count--;
             return PUSH_AGAIN;
         }
-        last->b1 = w->b0 = lo;
+        if (w->b0 < lo) return PUSH_GENERAL;
+        last->b1 = w->b0 = from;
+        if (last->b1 - last->b0 <= min_width) list->count--;
         return PUSH_REST;
     }
-    if (verdict.switches == 0 && !verdict.challenger_first && lo == w->b0) {
-        if (hi >= w->b1 - min_width) return PUSH_DONE;
-        w->b0 = hi;
-        return PUSH_REST;
-    }
-    return PUSH_GENERAL;
+    if (w->b0 < lo) return PUSH_GENERAL;
+    if (wins_first || wins_last) return split_last(list, w, from, wins_last ? hi : verdict.at[0], min_width);
+    if (hi >= w->b1 - min_width) return PUSH_DONE;
+    w->b0 = hi;
+    return PUSH_REST;
 }
 
 /* gd__stack_push of a window that is used up. It is handled where it lies: copied from memory it was just written to, it would be waited for. */
@@ -178,21 +216,13 @@ static enum gd_status push(struct gd__stack *list, struct gd__window *w, double 
         if (w->b1 > last->b1) last->b1 = w->b1;
         return GD_OK;
     }
+    enum gd_status status = gd__stack_reserve(list, list->count + 3);
+    if (status) return status;
     enum push push = PUSH_AGAIN;
     while (push == PUSH_AGAIN && list->count && w->b0 < list->windows[list->count - 1].b1 - min_width)
         push = contest_last(list, w, min_width);
     if (push == PUSH_GENERAL) return merge_into_tail(list, w, min_width, scratch);
-    if (push == PUSH_DONE || w->b1 - w->b0 <= min_width) return GD_OK;
-    enum gd_status status = gd__stack_reserve(list, list->count + 1);
-    if (status) return status;
-    struct gd__window *place = &list->windows[list->count++];
-    place->b0 = w->b0;
-    place->b1 = w->b1;
-    place->x = w->x;
-    place->y = w->y;
-    place->sigma = w->sigma;
-    place->source = w->source;
-    place->tags = w->tags;
+    if (push != PUSH_DONE) put(list, w, w->b0, w->b1, min_width);
     return GD_OK;
 }
 

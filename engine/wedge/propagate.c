@@ -12,10 +12,12 @@ static enum gd_status store(struct gd__wavefront *front, uint32_t side, const st
     if (status) return status;
     struct gd__chunk *chunk = (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
     double length = front->mesh->side[side].length;
-    *chunk = (struct gd__chunk){.previous = front->newest[side >> 1], .count = count};
+    uint32_t *newest = gd__wavefront_newest(front, side >> 1);
+    *chunk = (struct gd__chunk){.previous = *newest, .count = count};
     if (!front->kernel->store(windows, count, length, side & 1, gd__chunk_wedges(chunk)))
         chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
-    front->newest[side >> 1] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+    if (front->near) gd__near_side(front->near, side)->page.stays = true;
+    *newest = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
     front->work->wedges.used += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
     front->wedge_count += chunk->count;
     return GD_OK;
@@ -92,17 +94,16 @@ static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__w
 }
 
 /* What is left of a side's windows after all that is known of the edge. */
-static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiver *at, struct gd__windows *windows,
-                            uint32_t *count)
+static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiver *at, const struct gd__list *list,
+                            struct gd__windows *windows, uint32_t *count)
 {
     double d0 = at->d0, d1 = at->d1;
     if (front->guide) { /* what lies beyond the bound is as useless as what lies behind a shorter way */
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);
     }
-    if (front->lists[at->side].falls != front->falls) *count = drop_stale(front, windows, *count);
-    bool own = front->lists[at->side].visits > (front->methods.no_filter ? 1 : REMIND_AFTER),
-         twin = front->methods.one_list;
+    if (list->falls != front->falls) *count = drop_stale(front, windows, *count);
+    bool own = list->visits > (front->methods.no_filter ? 1 : REMIND_AFTER), twin = front->methods.one_list;
     enum gd_status status = own || twin ? gd__remind(front, at->side, own, twin, windows, count) : GD_OK;
     if (!status && !front->methods.no_filter) *count = front->kernel->filter(windows, *count, at->length, d0, d1);
     return status;
@@ -119,15 +120,15 @@ static void forget(struct gd__wavefront *front, struct gd__list *list)
 
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
 {
-    struct gd__list *list = &front->lists[side];
+    struct gd__list *list = gd__wavefront_list(front, side);
     struct gd__windows windows = gd__list_windows(list);
     void *block = list->block;
     uint32_t count = list->count, size_class = list->size_class;
     forget(front, list);
     struct gd__receiver at = gd__wavefront_receiver(front, side);
     front->effort.sides_propagated++;
-    front->status = prune(front, &at, &windows, &count);
-    bool stores = !front->without_wedges || list->visits > STORE_AFTER;
+    front->status = prune(front, &at, list, &windows, &count);
+    bool stores = !front->near || list->visits > STORE_AFTER;
     if (!front->status && count && stores) front->status = store(front, side, &windows, count);
     if (front->bound < GD__FAR && !front->guide) count = front->kernel->within(&windows, count, front->bound);
     if (!front->status && count && !gd__side_is_boundary(front->mesh, side)) cast(front, &at, &windows, count);

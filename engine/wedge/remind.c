@@ -20,7 +20,7 @@ void gd__recall(const struct gd__wavefront *front, const struct gd__chunk *chunk
         struct gd__window w = gd__wedge_window(wedges, chunk->count, side & 1 ? chunk->count - 1 - i : i, length);
         bool is_own = (w.tags & GD__WINDOW_FAR_SIDE ? 1 : 0) == (side & 1);
         if (w.source == GD_NONE || is_own != own) continue;
-        if (w.source < front->mesh->vertex_count && at < front->work->since[w.source]) continue;
+        if (w.source < front->mesh->vertex_count && at < gd__wavefront_since(front, w.source)) continue;
         if (side & 1) w = gd__window_mirrored(&w, length);
         w.sigma = gd__wavefront_sigma(front, &w);
         out->windows[out->count++] = w;
@@ -90,7 +90,7 @@ enum gd_status gd__remind(struct gd__wavefront *front, uint32_t side, bool own, 
     if (status) return status;
     list->count = 0;
     gd__stack_load(list, windows, 0, *count);
-    for (uint32_t at = front->newest[side >> 1]; at != GD_NONE && !status;) {
+    for (uint32_t at = *gd__wavefront_newest(front, side >> 1); at != GD_NONE && !status;) {
         const struct gd__chunk *chunk =
             (const struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
         bool is_own = is_of_side(chunk, side);

@@ -213,7 +213,7 @@ static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
     uint32_t vertex = front->seeds[seed].point.element;
     struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
     gd__wavefront_reach(front, vertex, front->seeds[seed].offset, birth);
-    if (!front->status && front->birth[vertex].source == birth.source) gd__emit_vertex(front, vertex);
+    if (!front->status && gd__wavefront_birth(front, vertex)->source == birth.source) gd__emit_vertex(front, vertex);
 }
 
 /* --- segments ------------------------------------------------------------------------------------------------------------ */

@@ -30,21 +30,42 @@ static void shrink_bound(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
+/* The chunks of the vertex's present distance begin here: its page has to stay. */
+static void note_fall(struct gd__wavefront *front, uint32_t vertex)
+{
+    uint32_t since = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+    if (!front->near) {
+        front->work->since[vertex] = since;
+    } else if (since) {
+        struct gd__vertex_page *page = gd__near_vertex(front->near, vertex);
+        page->since[vertex % GD__PAGE_VERTICES] = since;
+        page->page.stays = true;
+    }
+}
+
+static void wait_at(struct gd__wavefront *front, uint32_t vertex, double distance)
+{
+    uint32_t *waiting = gd__wavefront_waiting(front, vertex), before = *waiting;
+    gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, waiting);
+    if (front->near && before == GD_NONE) gd__near_vertex(front->near, vertex)->page.waiting++;
+}
+
 /* A distance that is shorter. Vertices that windows are on their way from already are noted: see remind.c. */
 static void settle(struct gd__wavefront *front, uint32_t vertex, double distance, const struct gd__birth *birth,
                    bool has_emitted)
 {
-    if (front->distance[vertex] >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
+    if (!front->near && front->distance[vertex] >= GD__FAR)
+        gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
     if (has_emitted) {
-        front->work->since[vertex] = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
+        note_fall(front, vertex);
         front->falls++;
     }
     front->distance[vertex] = distance;
-    front->birth[vertex] = *birth;
+    *gd__wavefront_birth(front, vertex) = *birth;
     shrink_bound(front, vertex);
     if (front->mesh->vertex_kind[vertex] != GD_VERTEX_CONVEX &&
         distance + gd__wavefront_rest(front, vertex) <= front->bound)
-        gd__queue_push(front->queue, 2 * front->mesh->edge_count + vertex, distance, &front->waiting[vertex]);
+        wait_at(front, vertex, distance);
 }
 
 void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double distance, struct gd__birth birth)
@@ -52,7 +73,10 @@ void gd__wavefront_reach(struct gd__wavefront *front, uint32_t vertex, double di
     if (distance >= front->distance[vertex] * (1 - GD_TOL_BETTER)) return;
     struct gd__domain *domain = front->domain;
     if (domain && !gd__domain_has_vertex(domain, vertex)) return;
-    settle(front, vertex, distance, &birth, front->emitted[vertex] < GD__FAR);
+    if (front->near && !front->status)
+        front->status = gd__near_need_vertex(front->near, front->mesh, vertex, front->queue->current);
+    if (front->status) return;
+    settle(front, vertex, distance, &birth, *gd__wavefront_emitted(front, vertex) < GD__FAR);
     if (domain && gd__domain_shares_vertex(domain, vertex)) gd__wavefront_tell(front, vertex);
 }
 
@@ -78,11 +102,32 @@ static double key_of(const struct gd__receiver *to)
     return far < GD__FAR ? near + KEY_WEIGHT * (far - near) : near;
 }
 
+/* Where neither end is reached, as before a narrow cone, what waits there says how near it is. */
+static double key_of_list(const struct gd__receiver *to, const struct gd__list *list)
+{
+    double key = key_of(to);
+    if (key < GD__FAR) return key;
+    struct gd__windows windows = gd__list_windows(list);
+    struct gd__window w = gd__windows_get(&windows, 0);
+    return gd__window_nearest(&w);
+}
+
 /* What crosses the cut. */
 static void send(struct gd__wavefront *front, uint32_t side, const struct gd__children *children)
 {
     if (children->count && !front->domain->is_common && !front->status)
         front->status = gd__domain_send_windows(front->domain, side, children);
+}
+
+/* The list of a side that is about to get windows; NULL: front->status says why not. */
+static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t side)
+{
+    if (!front->near) return &front->lists[side];
+    front->status = gd__near_need_side(front->near, side, front->queue->current);
+    if (front->status) return NULL;
+    struct gd__list *list = gd__wavefront_list(front, side);
+    if (!list->count) gd__near_side(front->near, side)->page.waiting++;
+    return list;
 }
 
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
@@ -99,13 +144,14 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     if (front->inner > 0) gd__keep_beyond(front, to->side, children);
     if (!children->count || front->status) return;
     front->effort.windows_created += children->count;
-    struct gd__list *list = &front->lists[to->side];
+    struct gd__list *list = open_list(front, to->side);
+    if (!list) return;
     if (!list->touched) gd__workspace_touch(front->work, to->side);
     list->touched = true;
     if (!list->count || to->falls < list->falls) list->falls = to->falls;
     front->status =
         gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
-    if (!front->status) gd__queue_push(front->queue, to->side, key_of(to), &list->bucket);
+    if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
 }
 
 /* --- set-up -------------------------------------------------------------------------------------------------------------- */
@@ -149,9 +195,12 @@ static bool has_segments(const struct gd__wavefront *front)
 enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__propagation *propagation)
 {
     struct gd_workspace *work = front->work;
-    enum gd_status status = gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
+    enum gd_status status = propagation->without_wedges
+                                ? gd__workspace_open_near(work, front->mesh, bucket_width(front), front->monitor)
+                                : gd__workspace_open(work, front->mesh, bucket_width(front), front->monitor);
+    front->near = propagation->without_wedges ? &work->near : NULL;
     front->lists = work->lists;
-    front->distance = work->distance;
+    front->distance = front->near ? work->near.distance : work->distance;
     front->emitted = work->emitted;
     front->waiting = work->waiting;
     front->newest = work->newest;
@@ -167,21 +216,33 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__
 
 /* --- the loop ------------------------------------------------------------------------------------------------------------ */
 
+/* One record of a near page has been worked on. */
+static void leave(const struct gd__wavefront *front, struct gd__pages *pages, struct gd__page *page)
+{
+    if (--page->waiting == 0) gd__pages_rest(pages, page, front->queue->current);
+}
+
 static void work_on_side(struct gd__wavefront *front, uint32_t side)
 {
-    struct gd__list *list = &front->lists[side];
+    if (front->near && !gd__near_side(front->near, side)) return;
+    struct gd__list *list = gd__wavefront_list(front, side);
     if (list->bucket != front->queue->current) return;
     list->bucket = GD_NONE;
     gd__propagate_side(front, side);
+    if (front->near) leave(front, &front->near->sides, &gd__near_side(front->near, side)->page);
 }
 
 static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
-    if (front->waiting[vertex] != front->queue->current) return;
-    front->waiting[vertex] = GD_NONE;
+    if (front->near && !gd__near_vertex(front->near, vertex)) return;
+    uint32_t *waiting = gd__wavefront_waiting(front, vertex);
+    if (*waiting != front->queue->current) return;
+    *waiting = GD_NONE;
     double distance = front->distance[vertex];
-    if (distance != front->emitted[vertex] && distance + gd__wavefront_rest(front, vertex) <= front->bound)
+    if (distance != *gd__wavefront_emitted(front, vertex) &&
+        distance + gd__wavefront_rest(front, vertex) <= front->bound)
         gd__emit_vertex(front, vertex);
+    if (front->near) leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
 }
 
 /* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
@@ -193,13 +254,13 @@ ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
     if (node < sides) {
-        __builtin_prefetch(&front->lists[node]);
+        if (!front->near) __builtin_prefetch(&front->lists[node]);
         __builtin_prefetch(&mesh->side[node]);
         __builtin_prefetch(&mesh->origin[node]);
-        __builtin_prefetch(&front->newest[node >> 1]);
+        if (!front->near) __builtin_prefetch(&front->newest[node >> 1]);
     } else if (node != GD_NONE) {
         __builtin_prefetch(&front->distance[node - sides]);
-        __builtin_prefetch(&front->birth[node - sides]);
+        if (!front->near) __builtin_prefetch(&front->birth[node - sides]);
         __builtin_prefetch(&mesh->fan_first[node - sides]);
     }
 }
@@ -214,11 +275,12 @@ ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
         __builtin_prefetch(&front->distance[mesh->origin[node]]);
         __builtin_prefetch(&front->distance[mesh->origin[node ^ 1]]);
         if (s->left == GD_NONE) return;
-        __builtin_prefetch(&front->lists[s->left]);
-        __builtin_prefetch(&front->lists[s->right]);
+        if (!front->near) __builtin_prefetch(&front->lists[s->left]);
+        if (!front->near) __builtin_prefetch(&front->lists[s->right]);
         __builtin_prefetch(&mesh->origin[s->right]);
     } else if (node != GD_NONE) {
-        uint32_t first = mesh->fan_first[node - sides], side = front->birth[node - sides].side;
+        if (front->near && !gd__near_vertex(front->near, node - sides)) return;
+        uint32_t first = mesh->fan_first[node - sides], side = gd__wavefront_birth(front, node - sides)->side;
         for (uint32_t i = first; i < first + 8; i += 4) __builtin_prefetch(&mesh->fan[i]);
         if (side != GD_NONE) __builtin_prefetch(&mesh->side[side]);
     }
@@ -230,7 +292,8 @@ ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
     if (node < sides) {
-        const struct gd__list *list = &front->lists[node];
+        if (front->near && !gd__near_side(front->near, node)) return;
+        const struct gd__list *list = gd__wavefront_list(front, node);
         const char *block = list->block;
         size_t array = gd__list_capacity(list) * sizeof(double),
                second = list->count > GD__WINDOWS_GROUP ? GD__WINDOWS_GROUP * sizeof(double) : 0;
@@ -312,7 +375,6 @@ static enum gd_status run_in(struct gd_workspace *work, const struct gd_mesh *me
                                   .seed_count = propagation->seed_count,
                                   .methods = propagation->methods,
                                   .guide = propagation->guide,
-                                  .without_wedges = propagation->without_wedges,
                                   .monitor = monitor};
     bool together =
         executor && executor->width > 1 && !propagation->begun && gd__domain_is_worth_it(mesh, propagation, monitor);

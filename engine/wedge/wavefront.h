@@ -57,8 +57,10 @@ struct gd__propagation {
     double radius; /* inside unit; GD__FAR: no limit */
     const struct gd_point *target; /* NULL: none */
     struct gd__guide *guide;       /* towards one target: only its distance and path are final. NULL: none */
-    bool without_wedges;           /* distances and births only: nothing is stored but for gd__remind */
-    uint64_t work_limit;           /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
+    bool
+        without_wedges; /* distances only, in little memory: the sink finds front->distance; what is stored is for gd__remind. One wavefront; no
+                            guide, nothing begun */
+    uint64_t work_limit; /* windows; 0: the mesh's own, far beyond what any surface of sense needs */
     struct gd__methods methods;
 };
 
@@ -77,6 +79,7 @@ struct gd__wavefront {
     const struct gd__kernel *kernel;
 
     struct gd_workspace *work;
+    struct gd__near *near;  /* its records, without wedges; NULL: there are arrays */
     struct gd__list *lists; /* the workspace's arrays; in full in workspace.h */
     double *distance, *emitted;
     uint32_t *waiting, *newest;
@@ -85,7 +88,6 @@ struct gd__wavefront {
     uint64_t wedge_count;
     uint32_t falls; /* how often a distance fell with which windows are on their way already */
 
-    bool without_wedges;
     struct gd__guide *guide;
     double bound; /* nothing farther is wanted; shrinks towards the target's distance */
     double
@@ -133,6 +135,44 @@ void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_le
 static inline double gd__wavefront_rest(const struct gd__wavefront *front, uint32_t vertex)
 {
     return front->guide ? gd__guide_lower(front->guide, vertex) : 0;
+}
+
+/* The records of a side, an edge or a vertex: from the arrays, or from near pages, where they must be (gd__near_need_side, gd__near_need_vertex). */
+static inline struct gd__list *gd__wavefront_list(const struct gd__wavefront *front, uint32_t side)
+{
+    return front->near ? &gd__near_side(front->near, side)->list[side % GD__PAGE_SIDES] : &front->lists[side];
+}
+
+static inline uint32_t *gd__wavefront_newest(const struct gd__wavefront *front, uint32_t edge)
+{
+    return front->near ? &gd__near_side(front->near, 2 * edge)->newest[edge % (GD__PAGE_SIDES / 2)]
+                       : &front->newest[edge];
+}
+
+static inline uint32_t *gd__wavefront_waiting(const struct gd__wavefront *front, uint32_t vertex)
+{
+    return front->near ? &gd__near_vertex(front->near, vertex)->waiting[vertex % GD__PAGE_VERTICES]
+                       : &front->waiting[vertex];
+}
+
+static inline double *gd__wavefront_emitted(const struct gd__wavefront *front, uint32_t vertex)
+{
+    return front->near ? &gd__near_vertex(front->near, vertex)->emitted[vertex % GD__PAGE_VERTICES]
+                       : &front->emitted[vertex];
+}
+
+static inline struct gd__birth *gd__wavefront_birth(const struct gd__wavefront *front, uint32_t vertex)
+{
+    return front->near ? &gd__near_vertex(front->near, vertex)->birth[vertex % GD__PAGE_VERTICES]
+                       : &front->birth[vertex];
+}
+
+/* Where the chunks of the vertex's present distance begin: 0 where that is not known any more. */
+static inline uint32_t gd__wavefront_since(const struct gd__wavefront *front, uint32_t vertex)
+{
+    if (!front->near) return front->work->since[vertex];
+    const struct gd__vertex_page *page = gd__near_vertex(front->near, vertex);
+    return page ? page->since[vertex % GD__PAGE_VERTICES] : 0;
 }
 
 /* Distance of the pseudo-source of a window that was a wedge: a linear one has kept its own. */

@@ -62,6 +62,7 @@ void gd__workspace_clean(struct gd_workspace *w)
         for (uint32_t i = 0; i < w->touched_count; i++) clean_touched(w, w->touched[i]);
     }
     w->touched_count = 0;
+    gd__near_close(&w->near);
     w->wedges.used = 0;
     if (w->queue) gd__queue_clear(w->queue);
 }
@@ -136,6 +137,17 @@ size_t gd__workspace_need(const struct gd_mesh *mesh)
            (sides + vertices) / TOUCHED_PART * sizeof(uint32_t);
 }
 
+/* Queue, pool and region; the purse is open. */
+static enum gd_status open_rest(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width)
+{
+    if (!w->queue) w->queue = gd__queue_create();
+    if (!w->queue) return GD_NO_MEMORY;
+    gd__queue_set_width(w->queue, bucket_width);
+    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->purse);
+    w->left = w->right = (struct gd__children){0};
+    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
+}
+
 enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width,
                                   const struct gd_control *control)
 {
@@ -150,13 +162,17 @@ enum gd_status gd__workspace_open(struct gd_workspace *w, const struct gd_mesh *
         }
     }
     if (!take_results(w, mesh->edge_count, mesh->vertex_count)) return GD_NO_MEMORY;
-    if (!w->queue) w->queue = gd__queue_create();
-    if (!w->queue) return GD_NO_MEMORY;
-    gd__queue_set_width(w->queue, bucket_width);
     w->purse = (struct gd__purse){.control = control, .held = need};
-    gd__pool_restart(&w->pool, GD__LIST_POOL_ITEM, &w->purse);
-    w->left = w->right = (struct gd__children){0};
-    return gd__region_open(&w->wedges, mesh->edge_count * WEDGES_AN_EDGE, &w->purse);
+    return open_rest(w, mesh, bucket_width);
+}
+
+enum gd_status gd__workspace_open_near(struct gd_workspace *w, const struct gd_mesh *mesh, double bucket_width,
+                                       const struct gd_control *control)
+{
+    w->purse = (struct gd__purse){.control = control};
+    enum gd_status status = gd__purse_take(&w->purse, sizeof *w->queue);
+    if (!status) status = gd__near_open(&w->near, mesh, &w->purse);
+    return status ? status : open_rest(w, mesh, bucket_width);
 }
 
 /* --- life ---------------------------------------------------------------------------------------------------------------- */
@@ -175,6 +191,7 @@ struct gd_workspace *gd__workspace_partner(struct gd_workspace *w)
 void gd_workspace_trim(struct gd_workspace *w)
 {
     free_arrays(w);
+    gd__near_close(&w->near);
     gd__guide_destroy(&w->guide);
     gd__queue_destroy(w->queue);
     gd__region_destroy(&w->wedges);

@@ -5,19 +5,11 @@
 #include "base/region.h"
 #include "gd/workspace.h"
 #include "mesh/topology.h"
+#include "wedge/birth.h"
 #include "wedge/guide.h"
 #include "wedge/list.h"
+#include "wedge/near.h"
 #include "wedge/queue.h"
-
-/* How a vertex got its distance: the last leg of its shortest path. The leg starts at (x, -y) in the frame of `side`, the side opposite to the
- * vertex: beyond the side where it crosses it (y >= 0), in the face itself where a seed lies there (y < 0). The direction back is stored by
- * its far end, not by the crossing: where the vertex lies on or almost on that side, the crossing would not tell it. */
-struct gd__birth {
-    double x, y;
-    uint32_t side; /* GD_NONE: the leg runs along an edge */
-    uint32_t
-        source; /* pseudo-source in which the leg starts; GD_NONE: the path bends at (x, 0) of the side, the edge knows how it goes on */
-};
 
 struct gd_workspace {
     uint32_t edges, vertices; /* that the arrays have room for */
@@ -34,6 +26,9 @@ struct gd_workspace {
 
     uint32_t *touched; /* sides, then vertices behind all sides: what is not clean; as many as fit, see touched_count */
     uint32_t touched_capacity, touched_count; /* count > capacity: anything may be touched */
+
+    struct gd__near
+        near; /* in place of all these for a propagation that keeps distances only; closed between propagations */
 
     struct gd__guide guide; /* of searches for one target */
 
@@ -55,6 +50,10 @@ size_t gd__workspace_need(const struct gd_mesh *mesh);
 /* Makes room for the mesh: all arrays are there and clean, the queue empty with buckets of that width. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__workspace_open(struct gd_workspace *workspace, const struct gd_mesh *mesh,
                                               double bucket_width, const struct gd_control *control);
+
+/* The same for one that keeps distances only: what it has is in `near`, the arrays are left alone. */
+GD_MUST_USE enum gd_status gd__workspace_open_near(struct gd_workspace *workspace, const struct gd_mesh *mesh,
+                                                   double bucket_width, const struct gd_control *control);
 
 /* Cleans what the propagation touched. */
 void gd__workspace_clean(struct gd_workspace *workspace);

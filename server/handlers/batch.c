@@ -9,6 +9,7 @@
  * then on what is collected is handed on before each line that takes time. A job (Prefer: respond-async) collects all. */
 #include "server/handlers/handlers.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -59,9 +60,11 @@ static const struct server_query_kind *find_kind(const char *name, struct proto_
 {
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
-    proto_problem_refuse(problem, "/query",
-                         "a batch has no query \"%s\"; it takes distance, path, nearest, matrix and distance-to-set",
-                         name);
+    char names[256] = "";
+    size_t length = 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        length += (size_t)snprintf(names + length, sizeof names - length, "%s%s", i ? ", " : "", kinds[i]->name);
+    proto_problem_refuse(problem, "/query", "a batch has no query \"%s\"; it takes %s", name, names);
     return NULL;
 }
 

@@ -153,13 +153,23 @@ struct edge {
     uint32_t count;
 };
 
+/* A curve has a seed for each of its points and segments. */
+static void name_members(struct edge *edge)
+{
+    for (uint32_t i = 0; i < edge->count; i++)
+        if (!edge->wedges[i].at_vertex) edge->wedges[i].source = edge->field.set->members[edge->wedges[i].source];
+}
+
 static enum server_query_turn answer_edge(struct server_field_query *query, const struct gd_field *field,
                                           struct server_monitor *part, struct proto_problem *problem)
 {
     struct edge *edge = (struct edge *)query;
     (void)part;
     enum gd_status status = gd_field_wedges(field, edge->ends[0], edge->ends[1], &edge->wedges, &edge->count);
-    if (!status) return SERVER_QUERY_DONE;
+    if (!status) {
+        name_members(edge);
+        return SERVER_QUERY_DONE;
+    }
     server_query_fail(&query->query, status, WHAT, problem);
     if (status == GD_NO_SUCH_EDGE) proto_problem_at(problem, "edge");
     return SERVER_QUERY_FAILED;

@@ -41,7 +41,7 @@ static bool name(struct server_field_query *query, struct proto_problem *problem
     return true;
 }
 
-/* Where the distance is largest, of a field that has no limit. */
+/* Where the distance is largest, of a field that goes so far. */
 static enum gd_status find_farthest(const struct gd_field *field, struct server_monitor *part,
                                     struct proto_field_description *description)
 {

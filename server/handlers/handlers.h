@@ -72,8 +72,9 @@ void server_handle_nurbs_point_curve_distance(struct server_exchange *exchange);
 void server_handle_nurbs_curve_distance(struct server_exchange *exchange);
 void server_handle_nurbs_tessellate(struct server_exchange *exchange);
 
-/* vertex_parameters.c */
+/* vertex_origins.c */
 void server_handle_get_mesh_parameters(struct server_exchange *exchange);
+void server_handle_get_mesh_places(struct server_exchange *exchange);
 
 /* subdivisions.c, subdivisions_trace.c, subdivisions_path.c, subdivisions_discretize.c */
 void server_handle_subdivision_evaluate(struct server_exchange *exchange);
@@ -82,9 +83,6 @@ void server_handle_subdivision_trace(struct server_exchange *exchange);
 void server_handle_subdivision_distance(struct server_exchange *exchange);
 void server_handle_subdivision_path(struct server_exchange *exchange);
 void server_handle_subdivision_discretize(struct server_exchange *exchange);
-
-/* vertex_places.c */
-void server_handle_get_mesh_places(struct server_exchange *exchange);
 
 /* cut.c */
 void server_handle_cut(struct server_exchange *exchange);

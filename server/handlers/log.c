@@ -79,10 +79,11 @@ static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *ans
     status = gd_vector_log(map->field.query.surface->mesh, &answer->path, &vectors, NULL);
     gd_pair_answer_free(answer);
     if (status) return status;
-    if (map->first_vector_only && vectors.count)
-        proto_vector_encode(writer, &vectors.segments[0].direction, vectors.segments[0].length);
-    else
-        proto_log_encode(writer, &vectors);
+    if (map->first_vector_only && vectors.count) {
+        vectors.vector = vectors.segments[0];
+        vectors.count = 1;
+    }
+    proto_log_encode(writer, &vectors, answer->is_cut);
     gd_log_free(&vectors);
     return server_draft_hold(&map->draft);
 }
@@ -95,7 +96,7 @@ static enum gd_status write_targets(struct log_map *map, const struct gd_field *
     enum gd_status status = GD_OK;
     for (uint32_t i = 0; i < map->to.count && !status; i++) {
         struct gd_pair_answer answer;
-        status = gd_pair_from_field(field, &map->from.point, &map->to.points[i], true, &answer);
+        status = gd_pair_from_field(field, &map->from.point, &map->to.points[i], GD_PAIR_PATH_AND_CUT, &answer);
         if (!status) status = write_pair(map, &answer);
         if (!status) status = gd_control_check(&control, (double)(i + 1) / map->to.count);
     }
@@ -186,7 +187,8 @@ static enum gd_status search(struct log_map *map)
         struct server_monitor part =
             server_query_monitor(&map->field.query, (double)i / map->to.count, 1.0 / map->to.count);
         struct gd_pair_answer answer;
-        status = server_shortest_path(&map->field.query, &part, &map->from.point, &map->to.points[i], &answer);
+        status = server_shortest_path(&map->field.query, &part, &map->from.point, &map->to.points[i],
+                                      GD_PAIR_PATH_AND_CUT, &answer);
         if (!status) status = write_pair(map, &answer);
     }
     return status;

@@ -103,9 +103,11 @@ static bool locate_ends(struct finding *finding, struct proto_problem *problem)
     finding->monitor = server_query_monitor(&finding->query, 0, 1);
     const struct gd_control control = server_exchange_control(&finding->monitor);
     for (int k = 0; k < 2; k++) {
-        if (!proto_domain_curve_locate(surface, &finding->wanted.ends[k], &finding->ends[k], problem)) return false;
+        const struct proto_domain_curve *wanted = &finding->wanted.ends[k];
+        bool located = proto_domain_curve_locate(surface, wanted, &control, &finding->ends[k], problem);
         enum gd_status status = gd_control_check(&control, 0);
         if (status) return server_query_fail(&finding->query, status, WHAT, problem) == SERVER_QUERY_DONE;
+        if (!located) return false;
     }
     return true;
 }

@@ -6,13 +6,10 @@
 
 #include "proto/tessellation.h"
 #include "server/call.h"
-#include "server/handlers/description.h"
-#include "server/handlers/making.h"
 #include "server/handlers/query.h"
 #include "server/handlers/request.h"
-#include "server/handlers/vertex_parameters.h"
+#include "server/handlers/vertex_origins.h"
 #include "server/nurbs.h"
-#include "server/reply.h"
 #include "server/server.h"
 
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
@@ -65,38 +62,9 @@ static bool tessellate(struct tessellating *tessellating, struct proto_problem *
     return false;
 }
 
-/* With the attachment, of which the making has a copy of its own. */
-static bool add_mesh(struct tessellating *tessellating, struct proto_problem *problem)
-{
-    const struct server_query *query = &tessellating->query;
-    struct server_budget *budget = &query->exchange->server->budget;
-    size_t cost = server_vertex_parameters_cost(tessellating->tessellation), size;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
-        return server_budget_refuse(budget, WHAT, cost, problem);
-    void *bytes = server_vertex_parameters_write(query->surface->record, tessellating->tessellation, &size);
-    bool ok = bytes ? server_making_add(&tessellating->making, tessellating->wanted.mesh,
-                                        gd_tessellation_polygons(tessellating->tessellation),
-                                        &(struct server_attachment){bytes, size}, problem)
-                    : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    free(bytes);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, cost);
-    return ok;
-}
-
-/* By the writer, which answers as an upload does. */
 static bool store(struct server_exchange *exchange)
 {
-    struct tessellating *tessellating = exchange->state;
-    enum server_store_outcome outcome = server_making_store(&tessellating->making);
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(exchange, outcome);
-        return true;
-    }
-    struct server_surface *mesh = tessellating->making.made[0].surface;
-    const struct server_listed listed = {mesh->record, mesh};
-    server_reply_header(exchange, "Location", "/v1/meshes/%s", mesh->record->name);
-    server_description_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
-    return true;
+    return server_vertex_origins_store(exchange, &((struct tessellating *)exchange->state)->making);
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
@@ -104,7 +72,9 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct tessellating *tessellating = (struct tessellating *)query;
     if (!tessellate(tessellating, problem)) return SERVER_QUERY_FAILED;
     server_making_begin(&tessellating->making, query->exchange);
-    if (!add_mesh(tessellating, problem)) return SERVER_QUERY_FAILED;
+    if (!server_vertex_parameters_make(query, tessellating->wanted.mesh, tessellating->tessellation,
+                                       &tessellating->making, problem))
+        return SERVER_QUERY_FAILED;
     (void)server_request_write(query->exchange, store);
     return SERVER_QUERY_PARKED;
 }

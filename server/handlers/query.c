@@ -2,6 +2,7 @@
 #include "server/handlers/query.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "proto/accept.h"
 #include "server/handlers/description.h"
@@ -17,8 +18,9 @@
 struct server_query *server_query_create(const struct server_query_kind *kind, struct server_exchange *exchange,
                                          struct server_surface *surface)
 {
-    struct server_query *query = calloc(1, kind->size);
+    struct server_query *query = malloc(kind->size);
     if (!query) return NULL;
+    memset((char *)query + sizeof *query, 0, kind->size - sizeof *query);
     *query = (struct server_query){
         .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
     return query;

@@ -8,6 +8,6 @@
 /* `part` is for the search. Distance INFINITY and no path: there is none. Errors: those of server_pair_search. */
 GD_MUST_USE enum gd_status server_shortest_path(const struct server_query *query, struct server_monitor *part,
                                                 const struct gd_point *from, const struct gd_point *to,
-                                                struct gd_pair_answer *out);
+                                                enum gd_pair_wish wish, struct gd_pair_answer *out);
 
 #endif

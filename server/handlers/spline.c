@@ -8,6 +8,7 @@
 #include "server/handlers/query.h"
 #include "server/landmarks.h"
 #include "server/server.h"
+#include "server/team.h"
 
 #define BUILD_SHARE 0.7 /* of the work */
 #define WHAT        "the spline"
@@ -95,12 +96,15 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct server *server = query->exchange->server;
     struct server_landmark_set *set = server_landmarks_find(server->landmarks, query->surface);
     struct making making = {.drawing = drawing, .part = server_query_monitor(query, 0, BUILD_SHARE)};
+    struct server_team *team = server_team_call(server->workers, query->exchange->job.deadline_ns);
     drawing->located.request.landmarks = set ? set->landmarks : NULL;
+    drawing->located.request.executor = server_team_executor(team);
     const struct server_call call = {.make = make,
                                      .user = &making,
                                      .control = server_exchange_control(&making.part),
                                      .grant = server_field_build_grant(query->surface->mesh)};
     enum gd_status status = server_call_make(server, &call);
+    server_team_dismiss(team);
     server_landmark_set_release(set);
     if (status && status != GD_BUDGET && making.detail.text[0]) {
         server_query_count(query, status);

@@ -4,13 +4,10 @@
 
 #include "proto/discretization.h"
 #include "server/call.h"
-#include "server/handlers/description.h"
 #include "server/handlers/handlers.h"
-#include "server/handlers/making.h"
 #include "server/handlers/request.h"
 #include "server/handlers/subdivisions.h"
-#include "server/handlers/vertex_places.h"
-#include "server/reply.h"
+#include "server/handlers/vertex_origins.h"
 #include "server/server.h"
 
 #define BYTES_A_DISCRETIZATION ((size_t)16 << 20) /* that most take while they are made */
@@ -64,38 +61,9 @@ static bool discretize(struct discretizing *discretizing, struct proto_problem *
     return !status || server_subdivision_fail(query, status, &discretizing->detail, WHAT, problem) == SERVER_QUERY_DONE;
 }
 
-/* With the attachment, of which the making has a copy of its own. */
-static bool add_mesh(struct discretizing *discretizing, struct proto_problem *problem)
-{
-    const struct server_query *query = &discretizing->query;
-    const struct gd_discretization *fine = &discretizing->fine;
-    struct server_budget *budget = &query->exchange->server->budget;
-    size_t cost = server_vertex_places_cost(fine->polygons.position_count);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
-        return server_budget_refuse(budget, WHAT, cost, problem);
-    void *bytes = server_vertex_places_write(query->surface->record, fine);
-    bool ok = bytes ? server_making_add(&discretizing->making, discretizing->wanted.mesh, &fine->polygons,
-                                        &(struct server_attachment){bytes, cost}, problem)
-                    : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    free(bytes);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, cost);
-    return ok;
-}
-
-/* By the writer, which answers as an upload does. */
 static bool store(struct server_exchange *exchange)
 {
-    struct discretizing *discretizing = exchange->state;
-    enum server_store_outcome outcome = server_making_store(&discretizing->making);
-    if (outcome != SERVER_STORE_CREATED && outcome != SERVER_STORE_REPLACED) {
-        server_request_fail(exchange, outcome);
-        return true;
-    }
-    struct server_surface *mesh = discretizing->making.made[0].surface;
-    const struct server_listed listed = {mesh->record, mesh};
-    server_reply_header(exchange, "Location", "/v1/meshes/%s", mesh->record->name);
-    server_description_reply(exchange, outcome == SERVER_STORE_CREATED ? 201 : 200, &listed);
-    return true;
+    return server_vertex_origins_store(exchange, &((struct discretizing *)exchange->state)->making);
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
@@ -103,7 +71,9 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct discretizing *discretizing = (struct discretizing *)query;
     if (!discretize(discretizing, problem)) return SERVER_QUERY_FAILED;
     server_making_begin(&discretizing->making, query->exchange);
-    if (!add_mesh(discretizing, problem)) return SERVER_QUERY_FAILED;
+    if (!server_vertex_places_make(query, discretizing->wanted.mesh, &discretizing->fine, &discretizing->making,
+                                   problem))
+        return SERVER_QUERY_FAILED;
     (void)server_request_write(query->exchange, store);
     return SERVER_QUERY_PARKED;
 }

@@ -1,4 +1,6 @@
 /* Geodesics of a subdivision surface from a place: on the discretization of a level, or on the smooth surface; one after the other, by a worker. */
+#include <math.h>
+
 #include "proto/limit_trace.h"
 #include "server/call.h"
 #include "server/handlers/draft.h"
@@ -16,11 +18,12 @@ struct tracing {
     struct gd_limit_jet jet;            /* at the start */
     struct server_discretization *fine; /* NULL: smooth */
     struct gd_point start;              /* on its mesh */
+    uint32_t lanes;                     /* paths at once */
     struct gd_vec3 direction;           /* of the smooth one under way, */
     struct gd_limit_path path;          /* and where it leads */
     struct gd_detail detail;
     struct server_draft draft;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for one path */
+    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for so many */
 };
 
 static void release(struct server_query *query)
@@ -44,11 +47,11 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     return proto_limit_trace_decode(document, surface_of(tracing), &tracing->wanted, problem);
 }
 
-/* The monitor of path `i`. */
-static struct server_monitor monitor_of(const struct tracing *tracing, uint32_t i)
+/* The monitor of some of the paths. */
+static struct server_monitor monitor_of(const struct tracing *tracing, uint32_t first, uint32_t count)
 {
     double share = (1 - BUILD_SHARE) / tracing->wanted.ways.count;
-    return server_query_monitor(&tracing->query, BUILD_SHARE + i * share, share);
+    return server_query_monitor(&tracing->query, BUILD_SHARE + first * share, count * share);
 }
 
 static enum gd_status evaluate(struct tracing *tracing, const struct gd_limit_point *place, struct gd_limit_jet *out)
@@ -58,12 +61,15 @@ static enum gd_status evaluate(struct tracing *tracing, const struct gd_limit_po
 
 /* --- on the mesh -------------------------------------------------------------------------------------------------- */
 
-/* While a path grows it is there twice. */
+/* While paths grow they are there twice. Several at once are faster: if there is room for them of which nobody else is in need. */
 static enum gd_status reserve(struct tracing *tracing)
 {
-    size_t bytes = 2 * (size_t)tracing->wanted.ways.options.step_limit * sizeof(struct gd_point);
-    if (!server_budget_take(&tracing->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    tracing->held = bytes;
+    struct server_budget *budget = &tracing->query.exchange->server->budget;
+    size_t one = 2 * (size_t)tracing->wanted.ways.options.step_limit * sizeof(struct gd_point);
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
+    bool is_room = server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
+    tracing->lanes = is_room ? GD_TRACE_LANES : 1;
+    tracing->held = tracing->lanes * one;
     return GD_OK;
 }
 
@@ -78,40 +84,65 @@ static enum gd_status prepare_mesh(struct tracing *tracing)
 }
 
 /* A direction that leads over the boundary ends where it starts. */
-static enum gd_status follow(struct tracing *tracing, struct gd_vec3 direction, const struct gd_control *control,
-                             struct gd_trace *out)
+static enum gd_status stay(struct tracing *tracing, struct gd_vec3 direction, const struct gd_control *control,
+                           struct gd_trace *out)
 {
     const struct gd_mesh *mesh = gd_limit_mesh_mesh(tracing->fine->mesh);
-    const struct proto_limit_trace *wanted = &tracing->wanted;
-    struct gd_direction ahead = {0};
-    enum gd_status status = gd_direction_along(mesh, &tracing->start, direction, &ahead, &tracing->detail);
-    if (status != GD_NOT_ON_SURFACE)
-        return status ? status
-                      : gd_trace_follow(mesh, &tracing->start, &ahead, wanted->length, &wanted->ways.options, control,
-                                        out, &tracing->detail);
-    if (gd_direction_at_angle(mesh, &tracing->start, 0, &ahead, NULL)) return GD_INTERNAL;
-    status = gd_trace_follow(mesh, &tracing->start, &ahead, 0, &wanted->ways.options, control, out, &tracing->detail);
+    const struct gd_trace_options *options = &tracing->wanted.ways.options;
+    struct gd_direction ahead;
+    enum gd_status status = gd_direction_at_angle(mesh, &tracing->start, 0, &ahead, &tracing->detail);
+    if (!status) status = gd_trace_follow(mesh, &tracing->start, &ahead, 0, options, control, out, &tracing->detail);
     if (status) return status;
     out->end = GD_TRACE_END_BOUNDARY;
     out->direction.xyz = gd_limit_direction(&tracing->jet, gd_limit_angle(&tracing->jet, direction));
     return GD_OK;
 }
 
-static enum gd_status write_mesh_path(struct tracing *tracing, uint32_t i)
+/* Some of the paths, all to be freed whether it fails or not. */
+static enum gd_status follow(struct tracing *tracing, uint32_t first, uint32_t count, const struct gd_control *control,
+                             struct gd_trace *out)
 {
-    struct server_monitor monitor = monitor_of(tracing, i);
-    const struct gd_control control = server_exchange_control(&monitor);
-    struct gd_trace trace;
-    struct gd_limit_jet end;
-    enum gd_status status =
-        follow(tracing, proto_limit_trace_direction(&tracing->wanted, &tracing->jet, i), &control, &trace);
-    if (status) return status;
-    struct gd_limit_point place = gd_limit_mesh_place(tracing->fine->mesh, &trace.path.points[trace.path.count - 1]);
-    status = evaluate(tracing, &place, &end);
+    const struct gd_mesh *mesh = gd_limit_mesh_mesh(tracing->fine->mesh);
+    const struct proto_limit_trace *wanted = &tracing->wanted;
+    struct gd_direction ahead[GD_TRACE_LANES];
+    struct gd_trace followed[GD_TRACE_LANES];
+    uint32_t path_of[GD_TRACE_LANES], going = 0;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < count; i++) out[i] = (struct gd_trace){0};
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct gd_vec3 direction = proto_limit_trace_direction(wanted, &tracing->jet, first + i);
+        status = gd_direction_along(mesh, &tracing->start, direction, &ahead[going], &tracing->detail);
+        if (!status) path_of[going++] = i;
+        if (status == GD_NOT_ON_SURFACE) status = stay(tracing, direction, control, &out[i]);
+    }
     if (!status)
-        proto_limit_trace_encode_mesh(&tracing->draft.writer, tracing->fine->mesh, &trace, &end,
+        status = gd_trace_follow_many(mesh, &tracing->start, ahead, going, wanted->length, &wanted->ways.options,
+                                      control, followed, &tracing->detail);
+    for (uint32_t k = 0; k < going && !status; k++) out[path_of[k]] = followed[k];
+    return status;
+}
+
+static enum gd_status write_mesh_path(struct tracing *tracing, const struct gd_trace *trace)
+{
+    struct gd_limit_point place = gd_limit_mesh_place(tracing->fine->mesh, &trace->path.points[trace->path.count - 1]);
+    struct gd_limit_jet end;
+    enum gd_status status = evaluate(tracing, &place, &end);
+    if (!status)
+        proto_limit_trace_encode_mesh(&tracing->draft.writer, tracing->fine->mesh, trace, &end,
                                       tracing->query.options.geometry);
-    gd_trace_free(&trace);
+    return status;
+}
+
+static enum gd_status write_mesh_paths(struct tracing *tracing, uint32_t first, uint32_t count)
+{
+    struct server_monitor monitor = monitor_of(tracing, first, count);
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct gd_trace traces[GD_TRACE_LANES];
+    enum gd_status status = follow(tracing, first, count, &control, traces);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!status) status = write_mesh_path(tracing, &traces[i]);
+        gd_trace_free(&traces[i]);
+    }
     return status ? status : gd_control_check(&control, 1);
 }
 
@@ -129,7 +160,7 @@ static enum gd_status trace_smooth(void *user, const struct gd_control *control,
 static enum gd_status write_smooth_path(struct tracing *tracing, uint32_t i)
 {
     struct server *server = tracing->query.exchange->server;
-    struct server_monitor monitor = monitor_of(tracing, i);
+    struct server_monitor monitor = monitor_of(tracing, i, 1);
     const struct server_call call = {
         .make = trace_smooth, .user = tracing, .control = server_exchange_control(&monitor), .grant = BYTES_A_TRACE};
     tracing->direction = proto_limit_trace_direction(&tracing->wanted, &tracing->jet, i);
@@ -151,11 +182,13 @@ static enum gd_status write_paths(struct tracing *tracing)
 {
     struct proto_writer *writer = &tracing->draft.writer;
     bool smooth = tracing->wanted.smooth;
+    uint32_t total = tracing->wanted.ways.count;
     enum gd_status status = smooth ? GD_OK : prepare_mesh(tracing);
     proto_write_key(writer, "paths");
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < tracing->wanted.ways.count && !status; i++) {
-        status = smooth ? write_smooth_path(tracing, i) : write_mesh_path(tracing, i);
+    for (uint32_t i = 0, count; i < total && !status; i += count) {
+        count = smooth ? 1 : total - i < tracing->lanes ? total - i : tracing->lanes;
+        status = smooth ? write_smooth_path(tracing, i) : write_mesh_paths(tracing, i, count);
         if (!status) status = server_draft_hold(&tracing->draft);
     }
     proto_write_array_end(writer);
@@ -176,11 +209,21 @@ static void write_head(struct tracing *tracing)
     }
 }
 
+static enum server_query_turn refuse_start(struct proto_problem *problem)
+{
+    proto_problem_refuse(problem, "/start",
+                         "the surface has no tangent plane there, and so no directions: it is the tip of a spike (a "
+                         "corner inside of a smooth surface), or control points "
+                         "coincide; start beside it");
+    return SERVER_QUERY_FAILED;
+}
+
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
     struct proto_writer *writer = &tracing->draft.writer;
     enum gd_status status = evaluate(tracing, &tracing->wanted.start, &tracing->jet);
+    if (!status && isnan(tracing->jet.normal.x)) return refuse_start(problem);
     proto_write_object_begin(writer);
     if (!status) write_head(tracing);
     if (!status && query->options.fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = write_paths(tracing);

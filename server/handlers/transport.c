@@ -66,8 +66,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct transport *transport = (struct transport *)query;
     struct server_monitor part = server_query_monitor(query, 0, 1);
     struct gd_pair_answer answer;
-    enum gd_status status =
-        server_shortest_path(query, &part, &transport->ends.points[0], &transport->ends.points[1], &answer);
+    enum gd_status status = server_shortest_path(query, &part, &transport->ends.points[0], &transport->ends.points[1],
+                                                 GD_PAIR_PATH, &answer);
     if (status) return server_query_fail(query, status, WHAT, problem);
     transport->distance = answer.distance;
     if (isfinite(answer.distance))

@@ -61,7 +61,8 @@ class Daemon:
         self._listening = threading.Event()
         self._reader = threading.Thread(target=self._read_log, daemon=True)
         self._reader.start()
-        if not self._listening.wait(START_SECONDS):
+        self._listening.wait(START_SECONDS)
+        if not any(line["event"] == "listening" for line in self.log):
             self.process.kill()
             raise RuntimeError(f"the daemon did not start: {self.log}")
         self.address = next(line["address"] for line in self.log if line.get("event") == "listening")
@@ -74,6 +75,7 @@ class Daemon:
                 self.log.append({"event": "not JSON", "message": text})
             if self.log[-1]["event"] == "listening":
                 self._listening.set()
+        self._listening.set()  # it ended: there is nothing to wait for
 
     def __enter__(self):
         return self
@@ -107,8 +109,8 @@ class Daemon:
     def put(self, name, body, options="", **headers):
         return self.request("PUT", f"/v1/meshes/{name}{options}", body, header_fields(headers))
 
-    def ask(self, name, query, document):
-        headers = {"Content-Type": "application/json"}
+    def ask(self, name, query, document, headers=None):
+        headers = {"Content-Type": "application/json", **(headers or {})}
         return self.request("POST", f"/v1/meshes/{name}/{query}", json.dumps(document), headers)
 
     def ask_often(self, name, source):
@@ -202,6 +204,17 @@ class TestCase(unittest.TestCase):
         answers = {name: cls.daemon.put(name, body) for name, body in meshes.items()}
         assert all(answer.status == 201 for answer in answers.values()), answers
         return {name: answer.json for name, answer in answers.items()}
+
+    def asked(self, mesh, query, document, status=200, headers=None):
+        """The answer to a question, which has that status, as JSON."""
+        answer = self.daemon.ask(mesh, query, document, headers)
+        self.assertEqual(answer.status, status, answer)
+        return answer.json
+
+    def assert_place(self, actual, expected, places=12):
+        self.assertEqual(len(actual), len(expected))
+        for a, b in zip(actual, expected):
+            self.assertAlmostEqual(a, b, places)
 
     def assert_problem(self, answer, status, code):
         self.assertEqual((answer.status, answer.headers["Content-Type"]), (status, "application/problem+json"), answer)

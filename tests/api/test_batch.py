@@ -87,6 +87,13 @@ class Batches(TestCase):
         for number, answer in enumerate(found[1::2]):
             self.assert_line(answer, 400, "invalid_request", 2 * number + 2)
 
+    def test_an_unknown_query_is_told_what_there_is(self):
+        names = ["distance", "path", "nearest", "matrix", "distance-to-set", "curve-distance"]
+        answer, *others = self.answers("ball", lines_of({"query": "range"}, *({"query": name} for name in names)))
+        self.assertEqual(answer["detail"], f'a batch has no query "range"; it takes {", ".join(names)}')
+        for other in others:
+            self.assertNotEqual(other["pointer"], "/query")
+
     def test_blank_lines_are_skipped_and_counted(self):
         line = '{"query":"nearest","point":{"vertex":0},"fields":["vertex"]}'
         found = self.answers("ball", f"\n\n{line}\r\n \t\r\n\nnonsense\n{line}")

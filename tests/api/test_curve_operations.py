@@ -20,9 +20,7 @@ class CurveOperations(TestCase):
         })
 
     def ask(self, mesh, document, status=200):
-        answer = self.daemon.ask(mesh, "curve", document)
-        self.assertEqual(answer.status, status, answer)
-        return answer.json
+        return self.asked(mesh, "curve", document, status)
 
     def test_length(self):
         corner = {"points": [place(0.2, 0.2), place(0.8, 0.2), place(0.8, 0.6)]}

@@ -196,6 +196,8 @@ class Values(Fields):
         field = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}, "max_distance": 0.25})
         whole = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}})
         self.assertEqual((field["max_distance"], field["max"], field["farthest"]), (0.25, None, None))
+        roomy = self.make("grid", {"set": {"points": [{"xyz": [0.4, 0.3, 0]}]}, "max_distance": 2})
+        self.assertEqual((roomy["max"], roomy["farthest"]), (whole["max"], whole["farthest"]))
         self.assertLess(field["wedges"], whole["wedges"])
         chance = random.Random(2)
         points = [{"face": chance.randrange(self.faces["grid"]), "barycentric": [0.5, 0.25, 0.25]} for _ in range(200)]
@@ -279,6 +281,21 @@ class Values(Fields):
                     point = {"edge": corners, "t": min(wedge[end] / length, 1)}
                     distance = self.evaluate(mesh, field, [point])[0]["distance"]
                     self.assertLess(abs(wedge["sigma"] + wedge[way] - distance), 1e-6)
+
+    def test_wedges_of_curves_name_their_members(self):
+        curves = [{"vertices": [8, 9, 10, 11]}, {"points": [{"xyz": [0.1, 0.6, 0]}, {"xyz": [0.9, 0.7, 0]}]}]
+        field = self.make("grid", {"set": {"points": [{"xyz": [0.51, 0.03, 0]}], "curves": curves}})["id"]
+        seen = set()
+        for low in range(120):
+            for wedge in self.get("grid", f"{field}/wedges?edge={low}-{low + 1}").json.get("wedges", ()):
+                seen.add(wedge["source"].get("member"))
+                if "linear" in wedge:
+                    self.assertEqual(list(wedge), ["b0", "b1", "d0", "d1", "sigma", "tau", "linear", "source"])
+                    self.assertTrue(wedge["linear"])
+                    self.assertLessEqual(abs(wedge["d1"] - wedge["d0"]), wedge["b1"] - wedge["b0"] + 1e-12)
+                    seen.add(("line", wedge["source"]["member"]))
+        self.assertLessEqual({0, 1, 2, ("line", 1), ("line", 2)}, seen)
+        self.assertLessEqual(seen, {None, 0, 1, 2, ("line", 1), ("line", 2)})
 
 
 class Memory(Fields):

@@ -18,6 +18,7 @@ GET = b"GET /v1 HTTP/1.1\r\n" + HOST
 PUT = b"PUT /v1/meshes/attack HTTP/1.1\r\n" + HOST
 POST = b"POST /v1/meshes/square/distance HTTP/1.1\r\n" + HOST
 CHUNKED = b"Transfer-Encoding: chunked\r\n"
+LAST = b"GET /livez HTTP/1.1\r\n" + HOST + b"Connection: close\r\n\r\n"
 HIDDEN = b"GET /v1/meshes/smuggled HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
@@ -85,7 +86,7 @@ ATTACKS = {
             b"5\r\nhelloXX\r\n0\r\n\r\n", b"4\r\nhello\r\n0\r\n\r\n", b"5\r\nhello\r\n0\r\n\n", b"5\r\nhello\r\n0\n\r\n",
             b"5\r\nhello\r\n0\n\n", b"5\r\nhello\r\n0\r\n\rX", b"10000000000000005\r\nhello\r\n0\r\n\r\n",
             b"00000000000000005\r\nhello\r\n0\r\n\r\n", b"5;a=\x01\r\nhello\r\n0\r\n\r\n", b"5;a\nb\r\nhello\r\n0\r\n\r\n",
-            b"5;\n5\r\nhello\r\n0\r\n\r\n", b"5;" + b"a" * 2000 + b"\r\nhello\r\n0\r\n\r\n",
+            b"5;\n5\r\nhello\r\n0\r\n\r\n", b"5;a=b\r hello\r\n0\r\n\r\n", b"5\r\nhello\r\n0;a=b\r\r\n\r\n", b"5\r\nhello\r\n0;a\r@\r\n\r\n", b"5;" + b"a" * 2000 + b"\r\nhello\r\n0\r\n\r\n",
             b"5\r\nhello\r\n0\r\nContent-Length: 5\r\n\r\n", b"5\r\nhello\r\n0\r\nTransfer-Encoding: chunked\r\n\r\n",
             b"5\r\nhello\r\n0\r\nHost: other\r\n\r\n", b"5\r\nhello\r\n0\r\nX : y\r\n\r\n", b"5\r\nhello\r\n0\r\nX: y\r\n z\r\n\r\n",
             b"5\r\nhello\r\n0\r\nX: y\n\n", b"5\r\nhello\r\n0\r\n: y\r\n\r\n")
@@ -130,13 +131,16 @@ class Smuggling(TestCase):
         """The statuses of what is answered. The connection has to be closed at once: what follows is not to be read."""
         with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
             connection.sendall(text)
-            received = b""
-            try:
-                while data := connection.recv(65536):
-                    received += data
-            except ConnectionResetError:
-                pass
-            return self.answers(received)
+            return self.read_answers(connection)
+
+    def read_answers(self, connection):
+        received = b""
+        try:
+            while data := connection.recv(65536):
+                received += data
+        except ConnectionResetError:
+            pass
+        return self.answers(received)
 
     def assert_nothing_happened(self):
         seen = [line for line in self.daemon.log if "smuggled" in line.get("path", "")]
@@ -178,6 +182,27 @@ class Smuggling(TestCase):
             answered = list(pool.map(lambda text: dribble(text + HIDDEN), attacks))
         self.assertEqual([pair for pair in zip(attacks, answered) if pair[1] not in ([b"400"], [])], [])
         self.assert_nothing_happened()
+
+    def test_every_byte_spoiled(self):
+        """A request with all that chunks can have, in which one byte after the other is replaced: it is still HTTP, or else refused at once."""
+        body = b"30;ext=\"a b\"\r\n%b\r\n0;x=y\r\nTrailer: x\r\n\r\n" % SQUARE
+        text = PUT.replace(b"attack", b"spoiled") + CHUNKED + b"Expect: 100-continue\r\n\r\n" + body
+        refused, wrong = 0, []
+        self.addCleanup(self.daemon.request, "DELETE", "/v1/meshes/spoiled")
+        for at in range(len(text)):
+            for byte in b"\r\n\0 @;":
+                before = self.daemon.metric("malformed_requests_total")
+                spoiled, begun = text[:at] + bytes([byte]) + text[at + 1 :], time.monotonic()
+                with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as connection:
+                    connection.sendall(spoiled + LAST)
+                    connection.shutdown(socket.SHUT_WR)
+                    answers = self.read_answers(connection)
+                if self.daemon.metric("malformed_requests_total") > before:
+                    refused += 1
+                    if answers not in ([b"400"], []) or time.monotonic() - begun > 10:
+                        wrong.append((spoiled, answers, time.monotonic() - begun))
+        self.assertEqual(wrong, [])
+        self.assertGreater(refused, 200)
 
     def test_what_came_before_is_answered(self):
         """A fault spoils the request in which it is, and those behind it, not those before it."""

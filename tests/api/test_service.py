@@ -1,5 +1,6 @@
 """The daemon as a whole: start, health, headers, who may speak to it, the two lanes, overload, deadlines, drain."""
 import concurrent.futures
+import email.utils
 import itertools
 import json
 import pathlib
@@ -167,10 +168,14 @@ class Service(TestCase):
         self.assertEqual(self.daemon.get("/app.js", Accept_Encoding="gzip").headers["Content-Encoding"], "gzip")
 
     def test_headers_of_every_answer(self):
-        for path, status in (("/", 200), ("/v1", 200), ("/nowhere", 404)):
-            headers = self.daemon.get(path).headers
+        for path, status, source in (("/", 200, "self"), ("/v1", 200, "none"), ("/nowhere", 404, "none")):
+            answer = self.daemon.get(path)
+            headers = answer.headers
+            self.assertEqual(answer.status, status)
+            self.assertLess(abs(email.utils.parsedate_to_datetime(headers["Date"]).timestamp() - time.time()), 5)
+            self.assertEqual(len(headers.get_all("Date")), 1)
             self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
-            self.assertIn("default-src 'self'", headers["Content-Security-Policy"])
+            self.assertIn(f"default-src '{source}'", headers["Content-Security-Policy"])
             self.assertTrue(headers["X-Request-Id"])
             self.assertIsNone(headers["Server"])
 

@@ -1,4 +1,5 @@
 """Geodesic Hermite splines: by themselves, with frames, and as curves of other queries."""
+import json
 import math
 import unittest
 
@@ -20,23 +21,14 @@ class Splines(TestCase):
             "grid": sample("grid", columns=20, rows=20),
             "sphere": sample("icosphere", level=4),
             "torus": sample("torus"),
+            "ball": sample("icosphere", level=2),
         })
-
-    def ask(self, mesh, query, document, status=200):
-        answer = self.daemon.ask(mesh, query, document)
-        self.assertEqual(answer.status, status, answer)
-        return answer.json
-
-    def assert_place(self, actual, expected, places=12):
-        self.assertEqual(len(actual), len(expected))
-        for a, b in zip(actual, expected):
-            self.assertAlmostEqual(a, b, places)
 
     # --- the curve -------------------------------------------------------------------------------------------------------
 
     def test_classical_in_the_plane(self):
         points = [place(0.3, 0.4), place(0.5, 0.6), place(0.7, 0.45)]
-        answer = self.ask("grid", "spline", {"points": points, "alpha": 0, "at": [0, 0.5, 1, 1.5, 2], "frames": True})
+        answer = self.asked("grid", "spline", {"points": points, "alpha": 0, "at": [0, 0.5, 1, 1.5, 2], "frames": True})
         self.assertEqual(answer["parameters"], [0, 1, 2])
         tangents = [(0.2, 0.2875), (0.2, 0.025), (0.2, -0.2375)]
         for joint, tangent in zip(answer["joints"], tangents):
@@ -62,10 +54,10 @@ class Splines(TestCase):
         for closed in (False, True):
             for rule in ("symmetric", "paper"):
                 document = {"points": points, "closed": closed, "tangent_rule": rule, "samples": 5, "frames": True}
-                answer = self.ask("sphere", "spline", document)
+                answer = self.asked("sphere", "spline", document)
                 self.assertEqual(len(answer["segments"]), 4 if closed else 3)
                 for i, frame in enumerate(answer["frames"][::5]):
-                    xyz = self.ask("sphere", "nearest", {"point": points[i % 4]})["xyz"]
+                    xyz = self.asked("sphere", "nearest", {"point": points[i % 4]})["xyz"]
                     self.assert_place(frame["xyz"], xyz, 15)
                     self.assertEqual(answer["segments"][min(i, len(answer["segments"]) - 1)]["control_points"][0]
                                      ["xyz"] == xyz, i < len(answer["segments"]))
@@ -74,16 +66,16 @@ class Splines(TestCase):
 
     def test_tension_one_is_the_geodesic_polyline(self):
         points = [{"vertex": v} for v in (3, 500, 900)]
-        answer = self.ask("torus", "spline", {"points": points, "tension": 1, "end_rule": "zero", "samples": 3})
-        distances = [self.ask("torus", "distance", {"from": a, "to": b})["distance"] for a, b in zip(points, points[1:])]
+        answer = self.asked("torus", "spline", {"points": points, "tension": 1, "end_rule": "zero", "samples": 3})
+        distances = [self.asked("torus", "distance", {"from": a, "to": b})["distance"] for a, b in zip(points, points[1:])]
         self.assertAlmostEqual(answer["path"]["length"], sum(distances), 10)
         self.assert_place([segment["distance"] for segment in answer["segments"]], distances)
 
     def test_equal_arc_lengths(self):
         points = [{"vertex": v} for v in (0, 40, 300)]
-        fine = self.ask("sphere", "spline?geometry=none", {"points": points, "tolerance": 1e-6})["path"]["length"]
-        even = self.ask("sphere", "spline", {"points": points, "samples": 20, "speed": "constant", "frames": True})
-        spacing = self.ask("sphere", "spline", {"points": points, "spacing": fine / 40, "frames": True})
+        fine = self.asked("sphere", "spline?geometry=none", {"points": points, "tolerance": 1e-6})["path"]["length"]
+        even = self.asked("sphere", "spline", {"points": points, "samples": 20, "speed": "constant", "frames": True})
+        spacing = self.asked("sphere", "spline", {"points": points, "spacing": fine / 40, "frames": True})
         for answer in (even, spacing):
             places = [frame["xyz"] for frame in answer["frames"]]
             self.assertEqual(len(places), 41)
@@ -93,26 +85,47 @@ class Splines(TestCase):
     def test_given_tangents(self):
         document = {"points": [place(0.2, 0.5), place(0.8, 0.5)], "alpha": 0, "at": [0.5], "frames": True,
                     "tangents": [{"direction": [0, 1, 0], "length": 0.4}, {"direction": [0, -1, 0], "length": 0.4}]}
-        self.assert_place(self.ask("grid", "spline", document)["frames"][0]["xyz"], [0.5, 0.6, 0])
+        self.assert_place(self.asked("grid", "spline", document)["frames"][0]["xyz"], [0.5, 0.6, 0])
         document["tangents"][1] = None
-        self.assertGreater(self.ask("grid", "spline", document)["frames"][0]["xyz"][1], 0.5)
+        self.assertGreater(self.asked("grid", "spline", document)["frames"][0]["xyz"][1], 0.5)
         document["tangents"][0]["length"] = 30
-        answer = self.ask("grid", "spline", document)
+        answer = self.asked("grid", "spline", document)
         self.assertEqual([segment["clipped"] for segment in answer["segments"]], [True])
+
+    # --- the cut locus ---------------------------------------------------------------------------------------------------
+
+    def test_a_point_beyond_the_cut_locus(self):
+        """From pole to pole of a ball there are several ways: the segment says so. A little aside there is one."""
+        for end, is_cut in ((place(0, 0, -1), True), (place(0.02, 0.01, -1), False)):
+            answer = self.asked("ball", "spline", {"points": [place(1, 0.2, 0.3), place(0, 0, 1), end]})
+            self.assertEqual([segment["cut_locus"] for segment in answer["segments"]], [False, is_cut])
 
     # --- as a curve ------------------------------------------------------------------------------------------------------
 
     def test_as_a_curve_of_every_query(self):
         spline = {"points": [place(0.2, 0.2), place(0.5, 0.3), place(0.8, 0.2)], "tolerance": 1e-4}
-        distance = self.ask("grid", "curve-distance", {"a": {"spline": spline}, "b": {"points": [place(0.5, 0.9)]}})
+        distance = self.asked("grid", "curve-distance", {"a": {"spline": spline}, "b": {"points": [place(0.5, 0.9)]}})
         self.assertAlmostEqual(distance["distance"], 0.6, 9)
         members = {"curves": [{"spline": spline, "label": "bow"}]}
-        answer = self.ask("grid", "distance-to-set", {"set": members, "points": [place(0.5, 0.9)]})
+        answer = self.asked("grid", "distance-to-set", {"set": members, "points": [place(0.5, 0.9)]})
         self.assertAlmostEqual(answer["results"][0]["distance"], 0.6, 9)
         self.assertEqual(answer["results"][0]["nearest"]["label"], "bow")
-        self.ask("grid", "fields", {"set": members}, 201)
+        field = self.asked("grid", "fields", {"set": members}, 201)["id"]
+        [value] = self.asked("grid", f"fields/{field}/evaluate", {"points": [place(0.5, 0.9)]})["results"]
+        self.assertAlmostEqual(value["distance"], 0.6, 9)
+        answer = self.daemon.get(f"/v1/meshes/grid/fields/{field}/isolines?levels=0.6&geometry=xyz")
+        [level] = answer.json["isolines"]
+        self.assertLess(min(math.dist(at, (0.5, 0.9, 0)) for line in level["lines"] for at in line["points"]), 0.05)
+        both = {"curves": members["curves"], "points": [place(0.5, 0.9)]}
+        [bisector] = self.asked("grid", "voronoi?geometry=xyz", {"set": both})["bisectors"]
+        self.assertLess(min(math.dist(at, (0.5, 0.6, 0)) for at in bisector["points"]), 0.05)
+        for operation, more in (("length", {}), ("resample", {"count": 9}), ("shorten", {}), ("offset", {"distance": 0.1})):
+            self.asked("grid", "curve", {"curve": {"spline": spline}, "operation": operation, **more})
+        lines = json.dumps({"query": "curve-distance", "a": {"spline": spline}, "b": {"points": [place(0.5, 0.9)]}})
+        batch = self.daemon.request("POST", "/v1/meshes/grid/batch", lines, {"Content-Type": "application/x-ndjson"})
+        self.assertAlmostEqual(json.loads(batch.body.splitlines()[0])["distance"], 0.6, 9)
         loop = {"points": [place(0.3, 0.3), place(0.7, 0.3), place(0.7, 0.7), place(0.3, 0.7)], "closed": True}
-        cut = self.ask("grid", "cut", {"curve": {"spline": loop}, "select_only": True})
+        cut = self.asked("grid", "cut", {"curve": {"spline": loop}, "select_only": True})
         self.assertTrue(cut["separates"])
         self.assertEqual(len(cut["pieces"]), 2)
 
@@ -137,18 +150,18 @@ class Splines(TestCase):
             ({"points": [a, b], "tangents": [{"direction": 0}, None]}, "/tangents/0/length"),
             ({"points": [a, b], "other": 1}, "/other"),
         ):
-            problem = self.ask("grid", "spline", document, 400)
+            problem = self.asked("grid", "spline", document, 400)
             self.assertEqual(problem["code"], "invalid_request")
             self.assertEqual(problem["pointer"], pointer, problem)
         apart = {"points": [{"vertex": 0}, {"vertex": 3}]}
-        self.assertEqual(self.ask("apart", "spline", apart, 400)["pointer"], "/points/1")
-        problem = self.ask("grid", "curve-distance", {"a": {"spline": {"points": [a, a]}}, "b": {"points": [b]}}, 400)
+        self.assertEqual(self.asked("apart", "spline", apart, 400)["pointer"], "/points/1")
+        problem = self.asked("grid", "curve-distance", {"a": {"spline": {"points": [a, a]}}, "b": {"points": [b]}}, 400)
         self.assertEqual(problem["pointer"], "/a/spline/points/1")
-        problem = self.ask("grid", "cut", {"curve": {"spline": {"points": [a, b], "frames": True}}}, 400)
+        problem = self.asked("grid", "cut", {"curve": {"spline": {"points": [a, b], "frames": True}}}, 400)
         self.assertEqual(problem["pointer"], "/curve/spline/frames")
 
     def test_two_points_closed_run_there_and_back(self):
-        answer = self.ask("grid", "spline", {"points": [place(0.2, 0.5), place(0.8, 0.5)], "closed": True})
+        answer = self.asked("grid", "spline", {"points": [place(0.2, 0.5), place(0.8, 0.5)], "closed": True})
         self.assertAlmostEqual(answer["path"]["length"], 1.2, 12)
 
 

@@ -247,6 +247,39 @@ class Evaluate(Subdivisions):
         self.assertEqual(self.ask("cube", "nearest", {"xyz": [1, 2]}, 400)["pointer"], "/xyz")
 
 
+    def test_a_spike(self):
+        """A corner inside of a smooth surface is interpolated and has no normal; all that asks for a place can pass by."""
+        self.assertEqual(self.put("spike", CUBE + b"t corner 1/1/0 4 10\n").status, 201)
+        tip, ask = {"face": 0, "uv": [0, 0]}, lambda *question: self.ask("spike", *question)
+        [point] = ask("evaluate", {"points": [tip]})["points"]
+        self.assertEqual((point["xyz"], point["normal"], point["curvatures"], point["singular"]), ([-1, -1, 1], None, None, True))
+        self.assert_near(point["du"], [3 ** -0.5, 3 ** -0.5, -3 ** -0.5])
+        self.assertEqual(point["du"], point["dv"])
+        foot = ask("nearest", {"xyz": [-2, -2, 2]})
+        self.assert_near(foot["xyz"], [-1, -1, 1])
+        self.assertAlmostEqual(foot["distance"], math.sqrt(3), 14)
+        for smooth in (False, True):
+            problem = ask("trace", {"start": tip, "fan": 3, "length": 1, "smooth": smooth}, 400)
+            self.assertEqual(problem["pointer"], "/start")
+            self.assertIn("spike", problem["detail"])
+        [path] = ask("trace", {"start": {"face": 0, "uv": [0.4, 0.4]}, "directions": [[-1, -1, 0]], "length": 3, "smooth": True})["paths"]
+        self.assertEqual((path["end_reason"], path["end_direction"]["angle"]), ("singular", None))
+        self.assert_near(path["points"][-1]["xyz"], [-1, -1, 1], 1e-9)
+        [path] = ask("trace", {"start": {"face": 0, "uv": [0.4, 0.4]}, "directions": [[-1, -1, 0]], "length": 3, "level": 5})["paths"]
+        self.assertEqual(path["end_reason"], "length")  # the mesh's vertex rules know a way on
+        [path] = ask("trace", {"start": MIDDLE, "directions": [[-1, -1, 0]], "length": 3, "smooth": True})["paths"]
+        for places in ({"from": tip, "to": MIDDLE}, {"from": MIDDLE, "to": tip}):
+            answer = ask("path", {**places, "level": 6})
+            self.assertLess(answer["error_estimate"], 1e-3)
+            self.assertLess(abs(answer["distance"] - path["length"]), answer["error_estimate"])
+        mesh = ask("discretize", {"mesh": "spiked", "level": 4}, 201)
+        self.assertEqual((mesh["faces"], mesh["boundaries"]), (3072, []))
+        nearest = self.daemon.get("/v1/meshes/spiked/nearest?point=p:-2,-2,2").json
+        self.assertEqual(nearest["xyz"], [-1, -1, 1])
+        self.daemon.request("DELETE", "/v1/meshes/spiked")
+        self.daemon.request("DELETE", "/v1/subdivisions/spike")
+
+
 class Trace(Subdivisions):
     def test_the_closed_geodesics_of_the_cube(self):
         """In the mirror planes y = 0 and x = y: a trace along them closes, on the mesh up to what a level is, on the surface to 1e-8."""
@@ -259,8 +292,8 @@ class Trace(Subdivisions):
             question = {"start": start, "directions": [direction], "length": length}
             [path] = self.ask("cube", "trace", {**question, "smooth": True})["paths"]
             self.assertEqual(path["end_reason"], "length")
-            self.assert_near(path["points"][-1]["xyz"], path["points"][0]["xyz"], 1e-8)
-            self.assertLess(max(map(far, path["points"])), 1e-8)
+            self.assert_near(path["points"][-1]["xyz"], path["points"][0]["xyz"], 1e-10)
+            self.assertLess(max(map(far, path["points"])), 1e-10)
             for rule in ("limit_normal", "bisect"):
                 before = 1
                 for level in (3, 5, 7):
@@ -282,7 +315,7 @@ class Trace(Subdivisions):
             off = [math.dist(a["points"][-1], b["points"][-1]["xyz"]) for a, b in zip(rough, smooth)]
             errors.append(sum(off) / len(off))
         self.assertLess(errors[-1], 1e-3)
-        self.assertLess(errors[-1], errors[0] / 60)  # at least of order 1.5; 2 is 256
+        self.assertLess(errors[-1], errors[0] / 50)  # of order 3/2 (engine/doc/021): 64
 
     def test_directions_and_geometry(self):
         question = {"start": MIDDLE, "length": 0.3}
@@ -372,7 +405,7 @@ class Paths(Subdivisions):
             first, second = answer["path"]["points"][:2]
             way = [b - a for a, b in zip(first["xyz"], second["xyz"])]
             [path] = self.ask(name, "trace", {"start": start, "directions": [way], "length": answer["distance"], "smooth": True})["paths"]
-            self.assertLess(math.dist(path["points"][-1]["xyz"], answer["to"]["xyz"]), 0.5 * math.hypot(*way) ** 2 + 1e-6)
+            self.assertLess(math.dist(path["points"][-1]["xyz"], answer["to"]["xyz"]), 2 * math.hypot(*way) ** 2)
 
     def test_no_path_and_one_point(self):
         places = {"from": {"face": 0, "uv": [0.5, 0.5]}, "to": {"face": 1, "uv": [0.5, 0.5]}}
@@ -407,13 +440,25 @@ class Discretize(Subdivisions):
         ends = [next(i for i, xyz in enumerate(found) if math.dist(xyz, [0, 0, z * 68 / 81]) < 1e-9) for z in (1, -1)]
         distance = self.daemon.get(f"/v1/meshes/fine/distance?from=v:{ends[0]}&to=v:{ends[1]}").json["distance"]
         self.assertAlmostEqual(distance, MIRROR / 2, 1)
+        corner, end = {"vertex": ends[0]}, {"vertex": ends[1]}
+        for query, question in [("path", {"from": corner, "to": end}), ("trace", {"start": corner, "fan": 3, "length": 1}), ("log", {"from": corner, "to": [end]}),
+                                ("matrix", {"sources": [corner], "targets": [end]}), ("spline", {"points": [corner, {"vertex": 5}, end]})]:
+            told = self.daemon.request("POST", f"/v1/meshes/fine/{query}", json.dumps(question), {"Content-Type": "application/json"})
+            self.assertEqual(told.status, 200, (query, told))
         again = self.ask("cube", "discretize", {"mesh": "fine", "level": 3})
         self.assertEqual(again["etag"], answer.json["etag"])
         self.daemon.request("DELETE", "/v1/meshes/fine")
 
     def test_tolerance(self):
-        faces = [self.ask("cube", "discretize", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201)["faces"] for i in (2, 4)]
-        self.assertGreater(faces[1], 30 * faces[0])
+        made = [self.ask("cube", "discretize", {"mesh": f"near-{i}", "tolerance": 10 ** -i}, 201) for i in (2, 4)]
+        self.assertGreater(made[1]["faces"], 30 * made[0]["faces"])
+        creased = CUBE + b"t crease 5/1/0 4 5 7 6 4 10\nt corner 1/1/0 0 10\n"  # of many levels side by side, and without cracks
+        self.assertIn(self.put("uneven", creased).status, (200, 201))
+        made.append(self.ask("uneven", "discretize", {"mesh": "near-3", "tolerance": 3e-3}, 201))
+        self.daemon.request("DELETE", "/v1/subdivisions/uneven")
+        self.daemon.request("DELETE", "/v1/meshes/near-3")
+        for mesh in made:
+            self.assertEqual((mesh["boundaries"], mesh["genus"], mesh["components"]), ([], 0, 1))
         for i in (2, 4):
             self.daemon.request("DELETE", f"/v1/meshes/near-{i}")
 
@@ -486,10 +531,16 @@ class Kept(TestCase):
         """Control points in one place: there is no normal, and no number is made up."""
         flat = b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n"
         self.assertEqual(self.daemon.request("PUT", "/v1/subdivisions/line", flat).status, 201)
-        for query, document in [("evaluate", {"points": [MIDDLE]}), ("trace", {"start": MIDDLE, "fan": 3, "length": 1}),
-                                ("path", {"from": MIDDLE, "to": {"face": 0, "uv": [0, 1]}}), ("discretize", {"mesh": "line", "level": 2})]:
-            answer = self.daemon.request("POST", f"/v1/subdivisions/line/{query}", json.dumps(document), {"Content-Type": "application/json"})
-            problem = self.assert_problem(answer, 422, "invalid_mesh")
+        ask = lambda query, document: self.daemon.request("POST", f"/v1/subdivisions/line/{query}", json.dumps(document), {"Content-Type": "application/json"})
+        [point] = ask("evaluate", {"points": [MIDDLE]}).json["points"]
+        self.assertAlmostEqual(point["xyz"][0], 1.5, 14)
+        self.assertEqual((point["normal"], point["curvatures"]), (None, None))
+        for smooth in (False, True):
+            problem = self.assert_problem(ask("trace", {"start": MIDDLE, "fan": 3, "length": 1, "smooth": smooth}), 400, "invalid_request")
+            self.assertEqual(problem["pointer"], "/start")
+            self.assertIn("no tangent plane", problem["detail"])
+        for query, document in [("path", {"from": MIDDLE, "to": {"face": 0, "uv": [0, 1]}}), ("discretize", {"mesh": "line", "level": 2})]:
+            problem = self.assert_problem(ask(query, document), 422, "invalid_mesh")
             self.assertEqual(problem["reason"], "degenerate_face", (query, problem))
 
 

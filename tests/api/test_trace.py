@@ -18,18 +18,8 @@ class Tracing(TestCase):
             "torus": sample("torus"),
         })
 
-    def ask(self, mesh, query, document, status=200, headers=None):
-        answer = self.daemon.request("POST", f"/v1/meshes/{mesh}/{query}", json.dumps(document),
-                                     {"Content-Type": "application/json", **(headers or {})})
-        self.assertEqual(answer.status, status, answer)
-        return answer.json
-
     def trace(self, mesh, options="", **document):
-        return self.ask(mesh, f"trace{options}", document)["paths"]
-
-    def assert_place(self, actual, expected, places=12):
-        for a, b in zip(actual, expected):
-            self.assertAlmostEqual(a, b, places)
+        return self.asked(mesh, f"trace{options}", document)["paths"]
 
 
 class Trace(Tracing):
@@ -98,15 +88,15 @@ class Trace(Tracing):
         question = {"start": {"vertex": 0}, "directions": [1], "length": 1e9}
         [path] = self.trace("torus", "?geometry=none", **question, step_limit=1000)
         self.assertEqual(path["end_reason"], "step_limit")
-        self.ask("torus", "trace?timeout_ms=1", {**question, "directions": [1] * 10000}, 504)
-        problem = self.ask("torus", "trace", {"start": {"vertex": 0}, "fan": 10001, "length": 1}, 413)
+        self.asked("torus", "trace?timeout_ms=1", {**question, "directions": [1] * 10000}, 504)
+        problem = self.asked("torus", "trace", {"start": {"vertex": 0}, "fan": 10001, "length": 1}, 413)
         self.assertEqual((problem["pointer"], problem["limit"]), ("/fan", 10000))
         accepted = self.daemon.request("POST", "/v1/meshes/torus/trace", json.dumps({**question, "length": 1}),
                                        {"Content-Type": "application/json", "Prefer": "respond-async"})
         self.assertEqual(accepted.status, 202)
 
     def test_fields(self):
-        answer = self.ask("square", "trace?fields=start", {"start": {"vertex": 2}, "fan": 3, "length": 1})
+        answer = self.asked("square", "trace?fields=start", {"start": {"vertex": 2}, "fan": 3, "length": 1})
         self.assertEqual(list(answer), ["start"])
         self.assertEqual(answer["start"]["vertex"], 2)
 
@@ -122,15 +112,15 @@ class Trace(Tracing):
                                 ({"directions": [[0, 0, 0]]}, "/directions/0"), ({"directions": [[0, 0, 1]]}, "/directions/0"),
                                 ({"lenght": 1}, "/lenght")]:
             document = {name: value for name, value in {**good, **change}.items() if value is not None}
-            problem = self.ask("square", "trace", document, 400)
+            problem = self.asked("square", "trace", document, 400)
             self.assertEqual(problem["pointer"], pointer, (change, problem))
-        problem = self.ask("square", "trace", {**good, "directions": [0.1, 3]}, 422)
+        problem = self.asked("square", "trace", {**good, "directions": [0.1, 3]}, 422)
         self.assertEqual((problem["code"], problem["pointer"]), ("point_not_on_surface", "/directions/1"))
 
 
 class Exp(Tracing):
     def test_points_and_paths(self):
-        answer = self.ask("grid", "exp", {"start": {"xyz": [0.4, 0.5, 0]},
+        answer = self.asked("grid", "exp", {"start": {"xyz": [0.4, 0.5, 0]},
                                           "vectors": [{"direction": [1, 0, 0], "length": 0.2},
                                                       {"direction": [0, 1, 0], "length": 0.9},
                                                       {"direction": [0, -1, 0], "length": 0}]})
@@ -142,7 +132,7 @@ class Exp(Tracing):
         self.assert_place(answer["vectors"][1]["direction"]["xyz"], [0, 1, 0])
 
     def test_combinations(self):
-        answer = self.ask("grid", "exp", {"start": {"xyz": [0.4, 0.5, 0]}, "combine": [2, -1],
+        answer = self.asked("grid", "exp", {"start": {"xyz": [0.4, 0.5, 0]}, "combine": [2, -1],
                                           "vectors": [{"direction": [1, 0, 0], "length": 0.1},
                                                       {"direction": [0, 1, 0], "length": 0.15}]})
         [point], [vector] = answer["points"], answer["vectors"]
@@ -152,7 +142,7 @@ class Exp(Tracing):
     def test_segments_follow_each_other(self):
         start = {"face": 0, "barycentric": [0.5, 0.25, 0.25]}
         legs = [{"direction": 0, "length": 0.1}, {"direction": math.pi / 2, "length": 0.05}]
-        answer = self.ask("square", "exp", {"start": start, "vectors": [{"segments": legs}]})
+        answer = self.asked("square", "exp", {"start": start, "vectors": [{"segments": legs}]})
         x, y, _ = answer["paths"][0]["points"][0]["xyz"]
         self.assert_place(answer["points"][0]["xyz"], [x + 0.1, y + 0.05, 0])
         self.assertAlmostEqual(answer["vectors"][0]["length"], 0.15, 14)
@@ -171,11 +161,11 @@ class Exp(Tracing):
                                 ({"combine": [1, 2]}, "/combine"), ({"combine": ["x"]}, "/combine/0"),
                                 ({"combine": [1], "vectors": [{"segments": [vector, vector]}]}, "/vectors/0")]:
             document = {name: value for name, value in {**good, **change}.items() if value is not None}
-            problem = self.ask("square", "exp", document, 400)
+            problem = self.asked("square", "exp", document, 400)
             self.assertEqual(problem["pointer"], pointer, (change, problem))
-        self.ask("square", "exp", {"start": {"vertex": 0}, "vectors": [{"direction": 3, "length": 1}]}, 422)
+        self.asked("square", "exp", {"start": {"vertex": 0}, "vectors": [{"direction": 3, "length": 1}]}, 422)
         many = {"start": {"vertex": 0}, "vectors": [{"segments": [vector] * 5001}] * 2}
-        self.assertEqual(self.ask("square", "exp", many, 413)["limit"], 10000)
+        self.assertEqual(self.asked("square", "exp", many, 413)["limit"], 10000)
 
 
 if __name__ == "__main__":

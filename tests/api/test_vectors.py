@@ -23,18 +23,9 @@ class Vectors(TestCase):
             "grid": sample("grid", columns=12, rows=12),
             "terrain": sample("terrain", cells=24, amplitude=1),
             "torus": sample("torus"),
+            "ball": sample("icosphere", level=2),
             "loose": b"v 0 0 0\nv 9 9 9\nv 1 0 0\nv 0 1 0\nf 1 3 4\n",
         })
-
-    def ask(self, mesh, query, document, status=200):
-        answer = self.daemon.ask(mesh, query, document)
-        self.assertEqual(answer.status, status, answer)
-        return answer.json
-
-    def assert_place(self, actual, expected, places=12):
-        self.assertEqual(len(actual), len(expected))
-        for a, b in zip(actual, expected):
-            self.assertAlmostEqual(a, b, places)
 
     # --- log -------------------------------------------------------------------------------------------------------------
 
@@ -44,14 +35,14 @@ class Vectors(TestCase):
             faces = self.meshes[mesh]["faces"]
             start = random_point(chance, faces)
             targets = [random_point(chance, faces) for _ in range(20)]
-            places = [self.ask(mesh, "nearest", {"point": target})["xyz"] for target in targets]
-            vectors = self.ask(mesh, "log", {"from": start, "to": targets})["vectors"]
-            few = self.ask(mesh, "log", {"from": start, "to": targets[:3]})["vectors"]
+            places = [self.asked(mesh, "nearest", {"point": target})["xyz"] for target in targets]
+            vectors = self.asked(mesh, "log", {"from": start, "to": targets})["vectors"]
+            few = self.asked(mesh, "log", {"from": start, "to": targets[:3]})["vectors"]
             for vector, other in zip(vectors, few):
                 self.assertAlmostEqual(vector["length"], other["length"], 12)
                 self.assertAlmostEqual(vector["direction"]["angle"], other["direction"]["angle"], 9)
-            distances = self.ask(mesh, "matrix", {"sources": [start], "targets": targets})["distances"][0]
-            answer = self.ask(mesh, "exp?geometry=none", {"start": start, "vectors": vectors})
+            distances = self.asked(mesh, "matrix", {"sources": [start], "targets": targets})["distances"][0]
+            answer = self.asked(mesh, "exp?geometry=none", {"start": start, "vectors": vectors})
             for vector, distance, point, place in zip(vectors, distances, answer["points"], places):
                 self.assertAlmostEqual(vector["length"], distance, 12)
                 self.assert_place(point["xyz"], place, 9)
@@ -60,8 +51,8 @@ class Vectors(TestCase):
         chance = random.Random(5)
         start, faces = random_point(chance, 1000), self.meshes["terrain"]["faces"]
         targets = [random_point(chance, faces) for _ in range(40)]
-        whole = self.ask("terrain", "log", {"from": start, "to": targets})["vectors"]
-        first = self.ask("terrain", "log", {"from": start, "to": targets, "first_vector_only": True})["vectors"]
+        whole = self.asked("terrain", "log", {"from": start, "to": targets})["vectors"]
+        first = self.asked("terrain", "log", {"from": start, "to": targets, "first_vector_only": True})["vectors"]
         bent = 0
         for a, b in zip(whole, first):
             self.assertEqual(a["direction"], b["direction"])
@@ -73,7 +64,7 @@ class Vectors(TestCase):
         self.assertGreater(bent, 3)
 
     def test_to_all(self):
-        answer = self.ask("grid", "log", {"from": {"xyz": [0.41, 0.37, 0]}, "to": "all"})
+        answer = self.asked("grid", "log", {"from": {"xyz": [0.41, 0.37, 0]}, "to": "all"})
         content = self.daemon.get("/v1/meshes/grid/content?format=obj").body.decode()
         positions = [tuple(map(float, line.split()[1:])) for line in content.splitlines() if line.startswith("v ")]
         x, y, _ = answer["from"]["xyz"]
@@ -86,12 +77,12 @@ class Vectors(TestCase):
     def test_no_vectors(self):
         nowhere = {"direction": None, "length": None, "reason": "no_path"}
         zero = {"direction": None, "length": 0}
-        answer = self.ask("apart", "log", {"from": {"vertex": 0}, "to": [{"vertex": 3}, {"vertex": 0}]})
+        answer = self.asked("apart", "log", {"from": {"vertex": 0}, "to": [{"vertex": 3}, {"vertex": 0}]})
         self.assertEqual(answer["vectors"], [nowhere, zero])
-        answer = self.ask("apart", "log?fields=vectors", {"from": {"vertex": 0}, "to": "all"})
+        answer = self.asked("apart", "log?fields=vectors", {"from": {"vertex": 0}, "to": "all"})
         self.assertEqual(list(answer), ["vectors"])
         self.assertEqual([answer["vectors"][i] for i in (0, 3, 4, 5)], [zero] + [nowhere] * 3)
-        answer = self.ask("loose", "log", {"from": {"vertex": 0}, "to": "all"})
+        answer = self.asked("loose", "log", {"from": {"vertex": 0}, "to": "all"})
         self.assertIsNone(answer["vectors"][1])
         self.assertEqual(answer["vectors"][2]["length"], 1)
 
@@ -101,12 +92,26 @@ class Vectors(TestCase):
                                   ({"from": {"vertex": 0}, "to": [1]}, "/to/0"),
                                   ({"from": {"vertex": 99}, "to": "all"}, "/from"),
                                   ({"from": {"vertex": 0}, "to": "all", "first_vector_only": 1}, "/first_vector_only")]:
-            self.assertEqual(self.ask("square", "log", document, 400)["pointer"], pointer, document)
+            self.assertEqual(self.asked("square", "log", document, 400)["pointer"], pointer, document)
+
+    def test_the_cut_locus(self):
+        """From pole to pole of a ball several ways are as short: vectors and means say so. Next to the pole there is one, and it jumps."""
+        pole, antipode = {"xyz": [0, 0, 1]}, {"xyz": [0, 0, -1]}
+        beside = [{"xyz": [x, y, -1]} for x, y in ((0.1, 0.03), (-0.1, -0.02))]
+        [vector, *others] = self.asked("ball", "log", {"from": pole, "to": [antipode, *beside]})["vectors"]
+        self.assertTrue(vector["cut_locus"])
+        self.assertTrue(all("cut_locus" not in other for other in others))
+        self.assertGreater(math.dist(*(other["direction"]["xyz"] for other in others)), 1)
+        from_field = self.asked("ball", "log", {"from": pole, "to": [antipode] * 9 + beside})["vectors"]
+        self.assertTrue(all(other["cut_locus"] for other in from_field[:9]))
+        self.assertNotIn("cut_locus", from_field[9])
+        self.assertTrue(self.asked("ball", "mean", {"points": [pole, antipode]})["cut_locus"])
+        self.assertFalse(self.asked("ball", "mean", {"points": [pole, {"xyz": [1, 0.2, 0.3]}]})["cut_locus"])
 
     # --- transport -------------------------------------------------------------------------------------------------------
 
     def test_the_plane_turns_nothing(self):
-        answer = self.ask("grid", "transport", {"from": {"xyz": [0.2, 0.3, 0]}, "to": {"xyz": [0.8, 0.71, 0]},
+        answer = self.asked("grid", "transport", {"from": {"xyz": [0.2, 0.3, 0]}, "to": {"xyz": [0.8, 0.71, 0]},
                                                 "vectors": [{"direction": [1, 2, 0], "length": 3},
                                                             {"direction": [-1, 0.5, 0], "length": 0}]})
         self.assertAlmostEqual(answer["distance"], math.hypot(0.6, 0.41), 12)
@@ -122,14 +127,14 @@ class Vectors(TestCase):
         vector = start = {"direction": 0.3, "length": 1}
         for i in range(3):
             document = {"from": corners[i], "to": corners[(i + 1) % 3], "vectors": [vector]}
-            [vector] = self.ask("tetrahedron", "transport", document)["vectors"]
+            [vector] = self.asked("tetrahedron", "transport", document)["vectors"]
         turned = vector["direction"]["angle"] - start["direction"]
         self.assertAlmostEqual(abs(math.remainder(turned, 2 * math.pi)), math.pi / 2, 12)
 
     def test_sums_at_a_point(self):
         document = {"from": {"xyz": [0.4, 0.5, 0]}, "to": {"xyz": [0.4, 0.5, 0]}, "combine": [1, 1],
                     "vectors": [{"direction": [1, 0, 0], "length": 3}, {"direction": [0, 1, 0], "length": 4}]}
-        answer = self.ask("grid", "transport", document)
+        answer = self.asked("grid", "transport", document)
         self.assertEqual(answer["distance"], 0)
         [vector] = answer["vectors"]
         self.assertAlmostEqual(vector["length"], 5, 12)
@@ -138,15 +143,15 @@ class Vectors(TestCase):
     def test_off_the_surface(self):
         document = {"from": {"xyz": [0.5, 0.5, 0]}, "to": {"edge": [0, 1], "t": 0.5},
                     "vectors": [{"direction": [0, -1, 0], "length": 1}]}
-        [vector] = self.ask("square", "transport", document)["vectors"]
+        [vector] = self.asked("square", "transport", document)["vectors"]
         self.assert_place(vector["direction"]["xyz"], [0, -1, 0])
         document["to"] = {"vertex": 0}
-        [vector] = self.ask("square", "transport", document)["vectors"]
+        [vector] = self.asked("square", "transport", document)["vectors"]
         self.assert_place(vector["direction"]["xyz"], [0, -1, 0])
 
     def test_no_way(self):
         document = {"from": {"vertex": 0}, "to": {"vertex": 3}, "vectors": [{"direction": 0, "length": 1}]}
-        answer = self.ask("apart", "transport?fields=distance,vectors", document)
+        answer = self.asked("apart", "transport?fields=distance,vectors", document)
         self.assertEqual(answer, {"distance": None, "reason": "no_path", "vectors": None})
 
     def test_transport_refusals(self):
@@ -155,15 +160,15 @@ class Vectors(TestCase):
         for change, pointer in [({"from": None}, "/from"), ({"to": None}, "/to"), ({"vectors": None}, "/vectors"),
                                 ({"vectors": [{"segments": [vector, vector]}]}, "/vectors"), ({"combine": []}, "/combine")]:
             document = {name: value for name, value in {**good, **change}.items() if value is not None}
-            self.assertEqual(self.ask("square", "transport", document, 400)["pointer"], pointer, change)
-        self.ask("square", "transport", {**good, "vectors": [{"direction": 3, "length": 1}]}, 422)
+            self.assertEqual(self.asked("square", "transport", document, 400)["pointer"], pointer, change)
+        self.asked("square", "transport", {**good, "vectors": [{"direction": 3, "length": 1}]}, 422)
 
     # --- mean ------------------------------------------------------------------------------------------------------------
 
     def test_means_in_the_plane(self):
         points = [{"xyz": [0.1, 0.2, 0]}, {"xyz": [0.9, 0.3, 0]}, {"xyz": [0.4, 0.8, 0]}]
         for method in ("karcher", "one_step"):
-            answer = self.ask("grid", "mean", {"points": points, "weights": [1, 2, 1], "method": method})
+            answer = self.asked("grid", "mean", {"points": points, "weights": [1, 2, 1], "method": method})
             self.assert_place(answer["point"]["xyz"], [(0.1 + 1.8 + 0.4) / 4, (0.2 + 0.6 + 0.8) / 4, 0])
             self.assertTrue(answer["converged"])
             self.assertLess(answer["residual"], 1e-12)
@@ -171,21 +176,21 @@ class Vectors(TestCase):
     def test_the_order_is_no_matter(self):
         chance = random.Random(3)
         points = [random_point(chance, self.meshes["terrain"]["faces"]) for _ in range(5)]
-        answers = [self.ask("terrain", "mean", {"points": chance.sample(points, 5)}) for _ in range(4)]
+        answers = [self.asked("terrain", "mean", {"points": chance.sample(points, 5)}) for _ in range(4)]
         for answer in answers:
             self.assert_place(answer["point"]["xyz"], answers[0]["point"]["xyz"], 9)
             self.assertLess(answer["residual"], 1e-10 * answer["spread"])
 
     def test_mean_fields_and_refusals(self):
         point = {"vertex": 0}
-        self.assertEqual(self.ask("square", "mean?fields=converged", {"points": [point]}), {"converged": True})
+        self.assertEqual(self.asked("square", "mean?fields=converged", {"points": [point]}), {"converged": True})
         for document, pointer in [({}, "/points"), ({"points": []}, "/points"), ({"points": [point], "weights": [-1]}, "/weights"),
                                   ({"points": [point], "weights": [0]}, "/weights"), ({"points": [point], "weights": [1, 2]}, "/weights"),
                                   ({"points": [point], "method": "best"}, "/method")]:
-            self.assertEqual(self.ask("square", "mean", document, 400)["pointer"], pointer, document)
-        problem = self.ask("apart", "mean", {"points": [point, {"vertex": 4}]}, 400)
+            self.assertEqual(self.asked("square", "mean", document, 400)["pointer"], pointer, document)
+        problem = self.asked("apart", "mean", {"points": [point, {"vertex": 4}]}, 400)
         self.assertIn("component", problem["detail"])
-        self.assertEqual(self.ask("square", "mean", {"points": [point] * 1001}, 413)["limit"], 1000)
+        self.assertEqual(self.asked("square", "mean", {"points": [point] * 1001}, 413)["limit"], 1000)
 
     def test_a_job(self):
         chance = random.Random(9)

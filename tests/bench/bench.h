@@ -104,8 +104,11 @@ double bench_ms_since(uint64_t start);
 /* Milliseconds of processor time that the calling thread has had: on a busy machine the measure of its own work. */
 double bench_thread_ms(void);
 
-/* Most memory that the process has had resident until now. */
+/* Most memory that the process has had resident until now, or since the peak was forgotten. */
 uint64_t bench_peak_bytes(void);
+
+/* Freed memory goes back, and the peak begins anew with what is resident then, where the system lets it. */
+void bench_forget_peak(void);
 
 /* Memory that the process has resident now; 0 where the system does not tell. */
 uint64_t bench_resident_bytes(void);

@@ -13,7 +13,14 @@
 #include "gd/trace.h"
 #include "tests/bench/bench.h"
 
-enum { FAN = 360, VERTICES = 1000000, QUICK_VERTICES = 20000, SEARCHES = 12, SEARCHES_MS = 3000, ROUNDS = 3 };
+enum {
+    FAN = 45 * GD_TRACE_LANES,
+    VERTICES = 1000000,
+    QUICK_VERTICES = 20000,
+    SEARCHES = 12,
+    SEARCHES_MS = 3000,
+    ROUNDS = 3
+};
 
 static const char cube[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
                            "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
@@ -81,14 +88,19 @@ static double trace_mesh(struct bundle *bundle)
     double begun = bench_thread_ms();
     struct gd_point start;
     bench_require(gd_limit_mesh_point(bundle->fine, &bundle->start, &start, NULL), NULL);
-    for (int i = 0; i < FAN; i++) {
-        struct gd_direction ahead;
-        struct gd_trace trace;
-        bench_require(gd_direction_along(mesh, &start, direction_of(bundle, i), &ahead, NULL), NULL);
-        bench_require(gd_trace_follow(mesh, &start, &ahead, bundle->length, &options, NULL, &trace, NULL), NULL);
-        bundle->end_points[i] = trace.path.points[trace.path.count - 1];
-        bundle->ends[i] = gd_point_position(mesh, &bundle->end_points[i]);
-        gd_trace_free(&trace);
+    for (int first = 0; first < FAN; first += GD_TRACE_LANES) {
+        struct gd_direction ahead[GD_TRACE_LANES];
+        struct gd_trace traces[GD_TRACE_LANES];
+        for (int i = 0; i < GD_TRACE_LANES; i++)
+            bench_require(gd_direction_along(mesh, &start, direction_of(bundle, first + i), &ahead[i], NULL), NULL);
+        bench_require(
+            gd_trace_follow_many(mesh, &start, ahead, GD_TRACE_LANES, bundle->length, &options, NULL, traces, NULL),
+            NULL);
+        for (int i = 0; i < GD_TRACE_LANES; i++) {
+            bundle->end_points[first + i] = traces[i].path.points[traces[i].path.count - 1];
+            bundle->ends[first + i] = gd_point_position(mesh, &bundle->end_points[first + i]);
+            gd_trace_free(&traces[i]);
+        }
     }
     return bench_thread_ms() - begun;
 }

@@ -1,6 +1,7 @@
-/* gd_bench nurbs: the shortest path between two closed curves on open bicubic B-spline surfaces, after the second experiment of W.-H. Chen,
- * "Improvement of the shortest path problem with geodesic-like method": the engine in pieces to its default tolerance; single splines of so many
- * control points, as in the paper's table; and its Algorithm 1, which takes the least of all shortest paths between points sampled on the two curves. */
+/* gd_bench nurbs: the shortest path between two closed curves, after the examples of W.-H. Chen, "Improvement of the shortest path problem with geodesic-like
+ * method": an open bicubic B-spline surface of 8 x 4 control points, and a face with two holes. The engine in pieces to its default tolerance; single splines of so
+ * many control points, as in the paper's table; and its Algorithm 1, which takes the least of all shortest paths between points sampled on the two curves.
+ * Errors are measured against the geodesic equation, shot from one curve at a right angle until it meets the other at one. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,70 +9,47 @@
 #include "gd/geodesic_like.h"
 #include "gd/nurbs.h"
 #include "tests/bench/bench.h"
+#include "tests/unit/nurbs/face.h"
+#include "tests/unit/nurbs/shooting.h"
 
-enum { CORNERS = 8, CURVE_DEGREE = 3, COUNT_MOST = 64 };
+enum { ROWS = 8, COLUMNS = 4 };
 
-/* A surface with two curves; its reference is a quintic, refined far below what is measured. */
+/* A surface with two curves; `exact` by shooting. */
 struct scene {
-    uint32_t rows, columns;
+    const char *name;
     struct gd_parametric *surface;
     struct gd_tessellation *tessellation;
     struct gd_domain_curve *from, *to;
     double exact;
 };
 
-/* --- the scene ---------------------------------------------------------------------------------------------------- */
-
-static void set_knots(uint32_t count, double knots[COUNT_MOST])
-{
-    for (uint32_t i = 0; i < count + CURVE_DEGREE + 1; i++)
-        knots[i] = i <= CURVE_DEGREE ? 0 : i >= count ? 1 : (double)(i - CURVE_DEGREE) / (count - CURVE_DEGREE);
-}
+/* --- the scenes --------------------------------------------------------------------------------------------------- */
 
 /* Control points over a grid of cells of size 1, with bumps of up to one cell. */
-static struct gd_parametric *make_surface(uint32_t rows, uint32_t columns)
+static struct gd_parametric *make_bumps(void)
 {
     struct gd_parametric *surface;
     struct gd_detail detail = {0};
     struct rng rng = {11};
-    double knots[2][COUNT_MOST], (*points)[3] = bench_allocate(rows * columns * sizeof *points);
-    set_knots(rows, knots[0]);
-    set_knots(columns, knots[1]);
-    for (uint32_t i = 0; i < rows * columns; i++) {
-        points[i][0] = i / columns;
-        points[i][1] = i % columns;
+    double knots[2][ROWS + FACE_DEGREE + 1], points[ROWS * COLUMNS][3];
+    face_knots(ROWS, knots[0]);
+    face_knots(COLUMNS, knots[1]);
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        points[i][0] = i / COLUMNS;
+        points[i][1] = i % COLUMNS;
         points[i][2] = rng_between(&rng, -1, 1);
     }
-    const struct gd_nurbs_data data = {.degree_u = CURVE_DEGREE,
-                                       .degree_v = CURVE_DEGREE,
-                                       .count_u = rows,
-                                       .count_v = columns,
+    const struct gd_nurbs_data data = {.degree_u = FACE_DEGREE,
+                                       .degree_v = FACE_DEGREE,
+                                       .count_u = ROWS,
+                                       .count_v = COLUMNS,
                                        .knots_u = knots[0],
                                        .knots_v = knots[1],
-                                       .knot_count_u = rows + CURVE_DEGREE + 1,
-                                       .knot_count_v = columns + CURVE_DEGREE + 1,
+                                       .knot_count_u = ROWS + FACE_DEGREE + 1,
+                                       .knot_count_v = COLUMNS + FACE_DEGREE + 1,
                                        .points = (const double(*)[3])points};
     bench_require(gd_nurbs_create(&data, &surface, &detail), &detail);
-    free(points);
     return surface;
-}
-
-/* A closed cubic B-spline around a place of the domain. */
-static struct gd_domain_curve *make_curve(const struct gd_parametric *surface, double u, double v, double radius)
-{
-    double knots[CORNERS + 2 * CURVE_DEGREE + 1], points[CORNERS + CURVE_DEGREE][2];
-    struct gd_domain_curve *curve;
-    struct gd_detail detail = {0};
-    for (int i = 0; i < CORNERS + 2 * CURVE_DEGREE + 1; i++) knots[i] = i - CURVE_DEGREE;
-    for (int i = 0; i < CORNERS + CURVE_DEGREE; i++) {
-        double angle = 2 * M_PI * i / CORNERS;
-        points[i][0] = u + radius * cos(angle);
-        points[i][1] = v + radius * sin(angle);
-    }
-    bench_require(gd_domain_curve_bspline(surface, CURVE_DEGREE, knots, (const double(*)[2])points,
-                                          CORNERS + CURVE_DEGREE, &curve, &detail),
-                  &detail);
-    return curve;
 }
 
 /* Returns the length; `*points`, if it is not NULL: how many control points the path has. */
@@ -88,14 +66,45 @@ static double solve(const struct scene *scene, const struct gd_domain_curve *fro
     return length;
 }
 
-static struct scene open_scene(uint32_t rows, uint32_t columns)
+/* The length by the geodesic equation; the engine says only where to begin. */
+static double shoot_scene(const struct scene *scene)
 {
-    struct scene scene = {.rows = rows, .columns = columns, .surface = make_surface(rows, columns)};
-    bench_require(gd_tessellation_build(scene.surface, NULL, NULL, &scene.tessellation, NULL), NULL);
-    scene.from = make_curve(scene.surface, 0.2, 0.3, 0.12);
-    scene.to = make_curve(scene.surface, 0.8, 0.65, 0.12);
-    scene.exact = solve(&scene, scene.from, scene.to,
-                        &(struct gd_geodesic_options){.degree = GD_GEODESIC_DEGREE_MOST, .tolerance = 1e-13}, NULL);
+    struct gd_geodesics found;
+    double places[257][2];
+    bench_require(gd_geodesic_solve(scene->tessellation, scene->from, scene->to, NULL, NULL, &found, NULL), NULL);
+    const struct gd_geodesic *path = &found.items[0];
+    bench_require(gd_geodesic_sample(scene->surface, path, 257, places, NULL), NULL);
+    struct shot shot = {path->from_parameter, path->to_parameter, path->length, 0};
+    shot.side = shooting_side(scene->from, shot.s, places[1]);
+    bool arrived = shoot_between(scene->from, scene->to, &shot);
+    gd_geodesics_free(&found);
+    bench_require(arrived ? GD_OK : GD_INTERNAL, NULL);
+    return shot.length;
+}
+
+static void prepare(struct scene *scene)
+{
+    bench_require(gd_tessellation_build(scene->surface, NULL, NULL, &scene->tessellation, NULL), NULL);
+    scene->exact = shoot_scene(scene);
+}
+
+static struct scene open_bumps(void)
+{
+    struct scene scene = {.name = "8x4", .surface = make_bumps()};
+    bench_require(face_outline(scene.surface, 0.2, 0.3, 0.12, 0.12, &scene.from), NULL);
+    bench_require(face_outline(scene.surface, 0.8, 0.65, 0.12, 0.12, &scene.to), NULL);
+    prepare(&scene);
+    return scene;
+}
+
+static struct scene open_face(void)
+{
+    struct scene scene = {.name = "face"};
+    struct gd_detail detail = {0};
+    bench_require(face_create(&scene.surface, &detail), &detail);
+    bench_require(face_eye(scene.surface, 0, &scene.from), NULL);
+    bench_require(face_eye(scene.surface, 1, &scene.to), NULL);
+    prepare(&scene);
     return scene;
 }
 
@@ -111,8 +120,9 @@ static void close_scene(struct scene *scene)
 
 static void print_row(const struct scene *scene, const char *method, uint32_t points, double length, double ms)
 {
-    printf("{\"surface\":\"%ux%u\",\"method\":\"%s\",\"points\":%u,\"error_percent\":%.2g,\"cpu_ms\":%.2f}\n",
-           scene->rows, scene->columns, method, points, 100 * (length / scene->exact - 1), ms);
+    printf("{\"surface\":\"%s\",\"method\":\"%s\",\"points\":%u,\"length\":%.12g,\"error_percent\":%.2g,\"cpu_ms\":%."
+           "2f}\n",
+           scene->name, method, points, length, 100 * (length / scene->exact - 1), ms);
 }
 
 /* The median time of so many runs. */
@@ -158,11 +168,10 @@ static void measure_sampling(const struct scene *scene, uint32_t count)
     print_row(scene, "sampling (Algorithm 1)", count, least, bench_thread_ms() - start);
 }
 
-static void measure(uint32_t rows, uint32_t columns, uint32_t runs, uint32_t samples)
+static void measure(struct scene scene, uint32_t runs, uint32_t samples)
 {
-    static const uint32_t counts[] = {3, 4, 8, 11, 20, 30, 60};
+    static const uint32_t counts[] = {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 20, 30, 60};
     static const char *const methods[] = {"one quadratic", "one cubic"};
-    struct scene scene = open_scene(rows, columns);
     measure_spline(&scene, "pieces", NULL, runs);
     for (uint32_t degree = 2; degree <= 3; degree++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
@@ -184,7 +193,7 @@ int bench_nurbs(char **arguments)
         if (arguments == before) break;
     }
     if (!bench_arguments_end(arguments, false)) return BENCH_USAGE;
-    measure(8, 4, runs, samples);
-    measure(14, 12, runs, samples);
+    measure(open_bumps(), runs, samples);
+    measure(open_face(), runs, samples);
     return 0;
 }

@@ -22,7 +22,7 @@ void release(void *surface)
     cgal_surface_free(static_cast<cgal_surface *>(surface));
 }
 
-const peer cgal = {"gd_bench_cgal", create, field, nullptr, nullptr, release};
+const peer cgal = {"gd_bench_cgal", create, field, nullptr, nullptr, nullptr, release};
 
 } // namespace
 

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "gd/query.h"
+#include "gd/trace.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/peer.h"
 
@@ -48,6 +49,31 @@ static bool pair(void *surface, uint32_t from, uint32_t to, double *out)
     return true;
 }
 
+static bool trace_line(const struct gd_mesh *mesh, const struct gd_point *from, double angle, double length,
+                       struct peer_lines *out)
+{
+    struct gd_direction ahead;
+    struct gd_trace trace;
+    if (gd_direction_at_angle(mesh, from, angle, &ahead, NULL)) return false;
+    if (gd_trace_follow(mesh, from, &ahead, length, NULL, NULL, &trace, NULL)) return false;
+    struct gd_vec3 end = gd_point_position(mesh, &trace.path.points[trace.path.count - 1]);
+    out->crossings += trace.path.count - 2;
+    out->ends += end.x + end.y + end.z;
+    gd_trace_free(&trace);
+    return true;
+}
+
+static bool trace(void *surface, uint32_t face, double length, struct peer_lines *out)
+{
+    const struct engine *engine = surface;
+    struct gd_point middle;
+    const double thirds[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    if (gd_point_in_face(engine->mesh, (struct gd_face){face}, thirds, &middle, NULL)) return false;
+    for (int i = 0; i < PEER_LINES; i++)
+        if (!trace_line(engine->mesh, &middle, 2 * M_PI * i / PEER_LINES, length, out)) return false;
+    return true;
+}
+
 static void forget(void *surface)
 {
     struct engine *engine = surface;
@@ -65,6 +91,6 @@ static void release(void *surface)
 
 int bench_peer(char **arguments)
 {
-    static const struct peer engine = {"gd_bench peer", create, field, pair, forget, release};
+    static const struct peer engine = {"gd_bench peer", create, field, pair, trace, forget, release};
     return peer_run(&engine, arguments);
 }

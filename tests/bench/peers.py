@@ -3,14 +3,15 @@
 
 usage: tests/bench/peers.py [--build DIR] [--pin CPU] [--turns N] [--sources N] [--pairs N] [--only WORD] [--long] [--clock wall|cpu] [--quick]
 
-A peer is a program that follows the protocol in tests/bench/peer.h. CGAL's is gd_bench_cgal in the build folder. The others are built
-elsewhere and named, with arguments if need be, by environment variables:
+A peer is a program that follows the protocol in tests/bench/peer.h. CGAL's is gd_bench_cgal in the build folder, geometry-central's
+gd_bench_geometry_central (made by `make bench-peers GEOMETRY_CENTRAL=FOLDER`). The others are built elsewhere and named, with arguments if need be, by
+environment variables:
 
-    VTP  LIBIGL  GEOMETRY_CENTRAL  EXPERIMENT  EXPERIMENT_SIMD  OTHER (say, an older gd_bench peer)
+    VTP  LIBIGL  EXPERIMENT  EXPERIMENT_SIMD  OTHER (say, an older gd_bench peer)
 
 OURS replaces `gd_bench peer` itself. Each turn starts both programs on the same sources, after one that only warms them up. A ratio is
 the peer's median over ours; over 1: we are faster. `agree` is the largest relative difference between the two programs' sums of all
-distances, or between their distances of pairs.
+distances, between their distances of pairs, or between their numbers of crossings.
 --quick measures next to nothing: it checks the protocol, with `ok` and `not ok` lines.
 """
 import os
@@ -25,7 +26,7 @@ import time
 
 from common import Checks, Failure, bench_arguments, find_program, machine, number, pin, print_table, run_lines, sample, shared, show_progress, write_json
 
-PEERS = ["VTP", "LIBIGL", "GEOMETRY_CENTRAL", "CGAL", "EXPERIMENT", "EXPERIMENT_SIMD", "OTHER"]
+PEERS = ["VTP", "LIBIGL", "CGAL", "GEOMETRY_CENTRAL", "EXPERIMENT", "EXPERIMENT_SIMD", "OTHER"]
 MESHES = [
     shared("stanford-bunny"),
     shared("rocker-arm"),
@@ -39,7 +40,22 @@ LONG = [  # minutes a field for some peers
     sample("icosphere", "--noise", 0.3, level=8),
     shared("stanford-bunny", "--subdivide", 2),
 ]
+TRACED = [shared("stanford-bunny"), shared("stanford-bunny", "--subdivide", 1)]
 AGREEMENT = 1e-9
+
+
+class Discipline:
+    """What is raced for: the option that asks for it, how its time and its answer are called."""
+
+    def __init__(self, name, option, arguments, answer):
+        self.name, self.option, self.arguments, self.answer = name, option, arguments, answer
+
+    @property
+    def key(self):
+        return f"{self.name}_ms"
+
+
+FIELD, PAIR, TRACE = Discipline("field", [], 1, "sum"), Discipline("pair", ["--pair"], 2, "distance"), Discipline("trace", ["--trace"], 1, "crossings")
 
 
 class Course:
@@ -52,20 +68,24 @@ class Course:
         if done.returncode != 0:
             raise Failure(f"{mesh.name}: {done.stderr.strip()}")
         with open(self.path) as file:
-            self.vertices = sum(line.startswith("v ") for line in file)
+            kinds = [line[:2] for line in file]
+        self.vertices, self.faces = kinds.count("v "), kinds.count("f ")
         draw = random.Random(1)
-        self.sources = [draw.randrange(self.vertices) for _ in range(options.sources)]
-        self.pairs = [tuple(draw.sample(range(self.vertices), 2)) for _ in range(options.pairs)]
+        self.questions = {
+            FIELD: [(draw.randrange(self.vertices),) for _ in range(options.sources)],
+            PAIR: [tuple(draw.sample(range(self.vertices), 2)) for _ in range(options.pairs)],
+            TRACE: [(draw.randrange(self.faces),) for _ in range(options.traces)],
+        }
 
-    def command(self, program, pairs):
-        questions = [vertex for pair in self.pairs[:1] + self.pairs for vertex in pair] if pairs else self.sources[:1] + self.sources
-        return [*program, *(["--pair"] if pairs else []), self.path, *questions]
+    def command(self, program, what):
+        questions = self.questions[what]
+        return [*program, *what.option, self.path, *(number for question in questions[:1] + questions for number in question)]
 
 
-def turn(course, program, pairs, timeout):
+def turn(course, program, what, timeout):
     """One start of a program: its answers but for the warm-up's."""
-    lines = run_lines(course.command(program, pairs), timeout)
-    expected = len(course.pairs if pairs else course.sources)
+    lines = run_lines(course.command(program, what), timeout)
+    expected = len(course.questions[what])
     if len(lines) != expected + 1:
         raise Failure(f"{shlex.join(program)}: {len(lines)} lines for {expected + 1} questions")
     return lines[1:]
@@ -75,19 +95,19 @@ def difference(ours, theirs, key):
     return max(abs(a[key] - b[key]) / max(abs(a[key]), abs(b[key]), 1e-300) for a, b in zip(ours, theirs))
 
 
-def race(course, ours, peer, pairs, options):
+def race(course, ours, peer, what, options):
     """Alternating turns of ours and the peer; times of both by clock, and how well they agree."""
-    key = "pair_ms" if pairs else "field_ms"
-    times = {side: {clock: [] for clock in (key, "cpu_ms")} for side in ("ours", "peer")}
-    agree, turns, started = 0, 0, time.monotonic()
+    times = {side: {clock: [] for clock in (what.key, "cpu_ms")} for side in ("ours", "peer")}
+    agree, turns, crossings, started = 0, 0, 0, time.monotonic()
     while turns < options.turns and (turns == 0 or time.monotonic() - started < options.patience):
-        answers = {side: turn(course, program, pairs, options.timeout) for side, program in (("ours", ours), ("peer", peer))}
+        answers = {side: turn(course, program, what, options.timeout) for side, program in (("ours", ours), ("peer", peer))}
         for side, lines in answers.items():
             for clock, values in times[side].items():
                 values += [line[clock] for line in lines if clock in line]
-        agree = max(agree, difference(answers["ours"], answers["peer"], "distance" if pairs else "sum"))
+        agree = max(agree, difference(answers["ours"], answers["peer"], what.answer))
+        crossings = statistics.median(line.get("crossings", 0) for line in answers["ours"])
         turns += 1
-    return {"times": times, "key": key, "turns": turns, "agree": agree}
+    return {"times": times, "key": what.key, "turns": turns, "agree": agree, "crossings": crossings}
 
 
 def p95(values):
@@ -97,7 +117,7 @@ def p95(values):
 def summarise(outcome):
     """Medians, p95 and ratios by both clocks, without the single times."""
     times, key = outcome["times"], outcome["key"]
-    result = {"turns": outcome["turns"], "agree": outcome["agree"]}
+    result = {"turns": outcome["turns"], "agree": outcome["agree"], "crossings": outcome["crossings"]}
     for clock, name in ((key, "wall"), ("cpu_ms", "cpu")):
         if not times["ours"][clock] or not times["peer"][clock]:
             continue
@@ -108,11 +128,12 @@ def summarise(outcome):
 
 
 def find_peers(build):
-    found = {name: shlex.split(os.environ[name]) for name in PEERS if os.environ.get(name)}
-    cgal = build / "gd_bench_cgal"
-    if "CGAL" not in found and cgal.exists() and can_race(cgal):
-        found["CGAL"] = [str(cgal)]
-    return found
+    found = {name: shlex.split(os.environ[name]) for name in PEERS if os.environ.get(name) and name != "GEOMETRY_CENTRAL"}
+    for name in ("CGAL", "GEOMETRY_CENTRAL"):
+        program = build / f"gd_bench_{name.lower()}"
+        if program.exists() and can_race(program):
+            found[name] = [str(program)]
+    return {name: found[name] for name in PEERS if name in found}
 
 
 def can_race(program):
@@ -120,30 +141,44 @@ def can_race(program):
     return subprocess.run([program], stderr=subprocess.DEVNULL).returncode == 2
 
 
+def disciplines(mesh, name, options):
+    """What a peer is raced for on a mesh."""
+    if mesh in MESHES + LONG:
+        yield FIELD
+        if name in options.pair_peers and options.pairs:
+            yield PAIR
+    if mesh.name in [traced.name for traced in TRACED] and name in options.trace_peers and options.traces:
+        yield TRACE
+
+
 def race_all(bench, ours, peers, options):
     """All results, as they come also as rows of the table."""
     results, rows, failures = [], [], []
-    meshes = [mesh for mesh in MESHES + (LONG if options.long else []) if mesh.is_there and options.only in mesh.name]
-    for mesh in meshes:
+    known = {mesh.name: mesh for mesh in TRACED + MESHES + (LONG if options.long else [])}
+    for mesh in known.values():
+        if not mesh.is_there or options.only not in mesh.name:
+            continue
         with tempfile.TemporaryDirectory() as folder:
             course = Course(bench, mesh, folder, options)
-            for name, peer in peers.items():
-                for pairs in (False, True):
-                    if pairs and (name not in options.pair_peers or not options.pairs):
-                        continue
-                    show_progress(f"{mesh.name}: {name}{' pairs' if pairs else ''}")
-                    try:
-                        result = summarise(race(course, ours, peer, pairs, options))
-                    except Failure as failure:
-                        failures.append(f"{mesh.name}: {name}: {failure}")
-                        continue
-                    results.append({"mesh": mesh.name, "vertices": course.vertices, "peer": name, "what": "pair" if pairs else "field", **result})
-                    rows.append(cells(results[-1], options.clock))
+            for name, what in [(name, what) for name in peers for what in disciplines(mesh, name, options) if options.what in ("", what.name)]:
+                show_progress(f"{mesh.name}: {name} {what.name}")
+                try:
+                    result = summarise(race(course, ours, peers[name], what, options))
+                except Failure as failure:
+                    failures.append(f"{mesh.name}: {name}: {failure}")
+                    continue
+                results.append({"mesh": mesh.name, "vertices": course.vertices, "peer": name, "what": what.name, **result})
+                rows.append(cells(results[-1], options.clock))
     show_progress("")
     return results, rows, failures
 
 
-HEADERS = ["mesh", "what", "peer", "ours ms", "peer ms", "ratio", "ours p95", "peer p95", "ratio (cpu)", "turns", "agree"]
+HEADERS = ["mesh", "what", "peer", "ours ms", "peer ms", "ratio", "ours p95", "peer p95", "ratio (cpu)", "turns", "agree", "ours M/s", "peer M/s"]
+
+
+def millions(result, milliseconds):
+    """Crossings a second."""
+    return number(result["crossings"] / milliseconds / 1e3 if result["crossings"] else None)
 
 
 def cells(result, clock):
@@ -151,21 +186,22 @@ def cells(result, clock):
     cpu = result.get("cpu", {}).get("ratio")
     return [result["mesh"], result["what"], result["peer"], number(times["ours_ms"]), number(times["peer_ms"]), number(times["ratio"]),
             number(times["ours_p95_ms"]), number(times["peer_p95_ms"]), number(cpu), str(result["turns"]),
-            f"{result['agree']:.0e}" + ("" if result["agree"] <= AGREEMENT else " DISAGREES")]
+            f"{result['agree']:.0e}" + ("" if result["agree"] <= AGREEMENT else " DISAGREES"), millions(result, times["ours_ms"]), millions(result, times["peer_ms"])]
 
 
 def check_protocol(bench, ours, peers, options):
     checks = Checks()
-    options.turns, options.sources, options.pairs = 2, 2, 2
+    options.turns, options.sources, options.pairs, options.traces = 2, 2, 2, 2
     with tempfile.TemporaryDirectory() as folder:
         course = Course(bench, sample("icosphere", level=3), folder, options)
         for name, peer in {"ours": ours, **peers}.items():
-            for pairs in (False, True) if name in ("ours", *options.pair_peers) else (False,):
+            can = {FIELD: True, PAIR: name in ("ours", *options.pair_peers), TRACE: name in ("ours", *options.trace_peers)}
+            for what in (what for what, is_done in can.items() if is_done):
                 def test():
-                    result = summarise(race(course, ours, peer, pairs, options))
+                    result = summarise(race(course, ours, peer, what, options))
                     assert result["agree"] <= AGREEMENT, f"differs by {result['agree']:.1e}"
                     assert result["wall"]["ratio"] > 0
-                checks.check(f"ours and {name} race for {'pairs' if pairs else 'fields'} and agree", test)
+                checks.check(f"ours and {name} race for {what.name}s and agree", test)
     return checks.status
 
 
@@ -175,6 +211,9 @@ def main():
     arguments.add_argument("--sources", type=int, default=3, help="fields a turn")
     arguments.add_argument("--pairs", type=int, default=50, help="pairs a turn; 0: fields only")
     arguments.add_argument("--pair-peers", nargs="*", default=["VTP", "OTHER"], help="peers that are raced for pairs too")
+    arguments.add_argument("--traces", type=int, default=20, help="faces a turn from which 64 lines are traced; 0: none")
+    arguments.add_argument("--trace-peers", nargs="*", default=["GEOMETRY_CENTRAL", "OTHER"], help="peers that are raced for traces too")
+    arguments.add_argument("--what", choices=["", "field", "pair", "trace"], default="", help="race for this only")
     arguments.add_argument("--peers", nargs="*", help="only these")
     arguments.add_argument("--long", action="store_true", help="meshes of more than a million faces too")
     arguments.add_argument("--patience", type=float, default=60, help="seconds after which a race begins no further turn")

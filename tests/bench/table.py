@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the engine on generated and shared meshes: prints a table, writes bench.json into the build folder.
+"""Measures the engine on generated and shared meshes: prints tables, writes bench.json into the build folder.
 
 usage: tests/bench/table.py [--build DIR] [--pin CPU] [--only WORD] [--quick]
 
@@ -35,7 +35,7 @@ SMALL = [
 LARGE = 200_000  # faces from which repetitions are fewer
 
 # subcommand: repetitions, repetitions on large meshes
-RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5)}
+RUNS = {"field": (20, 5), "pair": (50, 11), "warm": (5, 2), "locate": (5, 2), "load": (7, 5), "curve": (5, 2), "resume": (3, 1), "trace": (2, 1)}
 
 PROMISED = {
     "field": ["mesh", "vertices", "field_ms", "field_ms_p95", "field_cpu_ms", "first_ms", "windows_created", "windows_propagated",
@@ -44,10 +44,19 @@ PROMISED = {
     "warm": ["mesh", "distances_per_s", "distances_per_s_face_order", "paths_per_s", "crossings_per_path"],
     "locate": ["mesh", "nearest_per_s", "nearest_on_surface_per_s", "rays_per_s"],
     "load": ["mesh", "read_ms", "parse_ms", "build_ms", "load_ms", "peak_bytes"],
+    "curve": ["mesh", "segments", "seeding_cpu_ms", "curve_field_cpu_ms", "point_field_cpu_ms", "seeding_part", "peak_bytes"],
+    "resume": ["mesh", "first_cpu_ms", "R_to_2R", "2R_to_all", "R_to_all", "peak_bytes"],
+    "trace": ["mesh", "crossings_per_s", "log_map_ms", "mean_of_4_ms", "peak_bytes"],
 }
 
-# header, subcommand, key, divisor
-COLUMNS = [
+# Subcommands that bring meshes of their own, the quickest of what they do.
+OWN_MESHES = {
+    "limit": (["--quick"], ["mesh", "discretize_ms", "build_ms", "trace_360_ms", "shortest_360_ms", "peak_bytes"]),
+    "nurbs": (["--runs", 1, "--samples", 4], ["surface", "method", "points", "error_percent", "cpu_ms"]),
+}
+
+# header, subcommand, keys one inside the other, divisor
+DISTANCES = [
     ("faces", "field", "faces", 1),
     ("field ms", "field", "field_ms", 1),
     ("p95", "field", "field_ms_p95", 1),
@@ -57,12 +66,21 @@ COLUMNS = [
     ("peak MB", "field", "peak_bytes", 1e6),
     ("pair ms", "pair", "pair_ms_median", 1),
     ("p95", "pair", "pair_ms_p95", 1),
+    ("load ms", "load", "load_ms", 1),
+]
+QUESTIONS = [
     ("distances k/s", "warm", "distances_per_s", 1e3),
     ("by face k/s", "warm", "distances_per_s_face_order", 1e3),
     ("paths k/s", "warm", "paths_per_s", 1e3),
     ("nearest k/s", "locate", "nearest_per_s", 1e3),
     ("rays k/s", "locate", "rays_per_s", 1e3),
-    ("load ms", "load", "load_ms", 1),
+    ("curve cpu ms", "curve", "curve_field_cpu_ms", 1),
+    ("seeding %", "curve", "seeding_part", 1e-2),
+    ("resumed cpu ms", "resume", "2R_to_all resumed_cpu_ms", 1),
+    ("or built", "resume", "2R_to_all built_cpu_ms", 1),
+    ("traced M/s", "trace", "crossings_per_s", 1e6),
+    ("log ms", "trace", "log_map_ms", 1),
+    ("mean ms", "trace", "mean_of_4_ms", 1),
 ]
 
 
@@ -88,12 +106,24 @@ def measure_all(bench, meshes):
     return results, failures
 
 
-def cells(name, result):
-    return [name] + [number(result[command][key] / divisor) for _, command, key, divisor in COLUMNS]
+def cell(result, keys, divisor):
+    for key in keys.split():
+        result = result[key]
+    return number(result / divisor)
+
+
+def print_columns(columns, results):
+    print_table(["mesh"] + [header for header, *_ in columns],
+                [[name] + [cell(result[command], keys, divisor) for _, command, keys, divisor in columns] for name, result in results.items()])
 
 
 def check_promises(bench):
     checks = Checks()
+    for command, (arguments, keys) in OWN_MESHES.items():
+        def test():
+            for line in run_lines([bench, command, *arguments], timeout=60):
+                assert not (missing := [key for key in keys if key not in line]), f"without {missing}"
+        checks.check(f"gd_bench {command} prints what is promised", test)
     for mesh in SMALL:
         for command, keys in PROMISED.items():
             def test():
@@ -111,7 +141,9 @@ def main():
         return check_promises(bench)
     cpu, before = pin(options.pin), machine()
     results, failures = measure_all(bench, [mesh for mesh in MESHES if mesh.is_there and options.only in mesh.name])
-    print_table(["mesh"] + [header for header, *_ in COLUMNS], [cells(name, result) for name, result in results.items()])
+    print_columns(DISTANCES, results)
+    print()
+    print_columns(QUESTIONS, results)
     for failure in failures:
         print(failure, file=sys.stderr)
     path = options.build / "bench.json"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A disk that fails (inject.c): after a failed fsync, at whichever call, the store takes no changes and goes on answering;
 on a full disk, at whichever write, uploads are refused, reads and deletes work, and it recovers without a restart; a database that is
-made again meanwhile costs no mesh. While a slow disk is waited for, queries are answered, meshes that come and go are there or not, and the
+made again meanwhile costs no mesh; with an EIO at whichever call, or calls that are interrupted or do less than was asked, nothing is lost. While a slow disk is waited for, queries are answered, meshes that come and go are there or not, and the
 daemon can end.
 
-    tests/fault/disk.py [--most N]      tries the first N calls (until nothing fails any more)
+    tests/fault/disk.py [--most N] [--step N]      tries the first N calls (until nothing fails any more); of EIO each N-th
 """
 import argparse
 import collections
@@ -18,6 +18,7 @@ import threading
 import time
 
 from common import Ledger, Shimmed, build_shim, check, edges, harness, mesh
+from figures import conclude, report
 
 SLOW_MS = 20  # longer than any query here takes
 
@@ -124,6 +125,50 @@ def try_full(place, number, library, call):
     return trial.end(), fired
 
 
+def try_call(place, number, library, call):
+    """Whatever the call was for: what was acknowledged is there, and what was not is as it was or as it was to be."""
+    trial = Trial(place, number, library)
+    trial.order(f"eio {call}")
+    for status in changes(trial):
+        trial.expect("change", status, 200, 201, 204, 500, 507)
+    trial.expect_reads("after the failed call")
+    return trial.end(), trial.fired
+
+
+def try_start(place, number, library, call):
+    """A start that meets the fault may fail, with a sentence; the next one finds all."""
+    trial = Trial(place, number, library)
+    trial.daemon.stop()
+    trial.order(f"eio {call}")
+    try:
+        trial.start()
+    except RuntimeError as reason:
+        trial.expect("the log says why it does not start", "error" in str(reason) or "fatal" in str(reason), True)
+    else:
+        for name in trial.ledger.acknowledged:
+            trial.expect("a read after the start", trial.daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:1").status, 200, 500, 503)
+    fired = trial.fired
+    if trial.daemon.process.poll() is None:
+        trial.daemon.stop()
+    trial.order("fine")
+    trial.start()
+    trial.expect_reads("after the next start")
+    return trial.end(), fired
+
+
+def try_short(place, library):
+    """Interrupted and short reads and writes are nobody's business."""
+    trial = Trial(place, "short", library)
+    trial.order("short 3")
+    for status, expected in zip(changes(trial), (201, 200, 204)):
+        trial.expect("change", status, expected)
+    trial.daemon.stop()
+    trial.start()
+    trial.expect_reads("read in parts")
+    trial.expect("the order was carried out", trial.fired, True)
+    return trial.end()
+
+
 def try_rebuild(place, number, library, call):
     """The database is lost, and there is no room to make all of it again; then the meshes' bytes come and go under another name."""
     trial = Trial(place, number, library)
@@ -140,9 +185,9 @@ def try_rebuild(place, number, library, call):
     return trial.end(), fired
 
 
-def run(kind, one, place, library, most, wrong):
-    """Fails each call in turn until the changes end before it."""
-    for call in range(1, most + 1):
+def run(kind, one, place, library, most, wrong, step=1):
+    """Fails each call in turn (every `step`-th) until the changes end before it."""
+    for call in range(1, most + 1, step):
         faults, fired = one(place, f"{kind}{call}", library, call)
         wrong += [f"{kind} {call}: {fault}" for fault in faults]
         if not fired:
@@ -241,6 +286,7 @@ def end_while_waiting(place, library):
 def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--most", type=int, default=60)
+    arguments.add_argument("--step", type=int, default=1)
     options = arguments.parse_args()
     wrong = []
     with tempfile.TemporaryDirectory() as text:
@@ -248,15 +294,19 @@ def main():
         library = build_shim("inject", place)
         counts = [run(kind, one, place, library, options.most, wrong)
                   for kind, one in (("fsync", try_fsync), ("full", try_full), ("rebuild", try_rebuild))]
+        calls = [run(kind, one, place, library, 10 * options.most, wrong, options.step) for kind, one in (("eio", try_call), ("start", try_start))]
+        wrong += try_short(place, library)
         faults, median = wait_for_no_disk(place, library)
         wrong += faults + come_and_go(place, library) + end_while_waiting(place, library)
     for fault in wrong[:20]:
         print(f"wrong: {fault}")
-    print("# failing disk: each of {} fsyncs failed once, the disk full from each of {} writes on, and from each of {} on while the "
-          "database is made again; {:.1f} ms a search beside a slow one; {} faults".format(*counts, median, len(wrong)))
-    failed = wrong or not all(counts)
-    print("not ok disk" if failed else "ok disk")
-    return 1 if failed else 0
+    return conclude("disk", [
+        report("failed fsync at each call", "read-only, nothing lost", f"{counts[0]} calls failed, {len(wrong)} faults", counts[0] and not wrong),
+        report("disk full from each write on", "507, reads and deletes go on, recovery", f"{counts[1]} writes, {len(wrong)} faults", counts[1] and not wrong),
+        report("disk full while a lost database is made again", "nothing lost", f"{counts[2]} writes, {len(wrong)} faults", counts[2] and not wrong),
+        report("EIO at each call of the store", "nothing lost, the daemon lives", f"calls 1 to {calls[0]} of changes and 1 to {calls[1]} of a start, "
+               f"each {options.step}., {len(wrong)} faults", all(calls) and not wrong),
+        report("a search beside a slow disk, median", f"< {SLOW_MS} ms", f"{median:.1f} ms", median < SLOW_MS)])
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import tempfile
 import time
 
 from common import Shimmed, harness, mesh
+from figures import conclude, report
 
 MESHES = {"a": mesh(1.5), "b": mesh(0.75, 4000), "same": mesh(1.5), "c": mesh(2.25, 300)}
 FLAGS = ("--persist-fields", "--landmarks", "2")
@@ -147,9 +148,8 @@ def main():
     for fault in wrong[:20]:
         print(f"wrong: {fault}")
     kinds = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
-    print(f"# flipped bytes: {options.flips} ({kinds}), {len(wrong)} undetected or fatal (seed {seed})")
-    print("not ok flip" if wrong else "ok flip")
-    return 1 if wrong else 0
+    return conclude("flip", [report("one byte of the store flipped", "detected, or without effect",
+                                    f"{options.flips} flips ({kinds}), {len(wrong)} undetected or fatal (seed {seed})", not wrong)])
 
 
 if __name__ == "__main__":

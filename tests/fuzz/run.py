@@ -14,21 +14,29 @@ import re
 import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "fault"))
+
+from figures import report  # noqa: E402
+
+
+HERE = pathlib.Path(__file__).resolve().parent
+
 
 def fuzz(program, seconds, seed):
     name = program.name.removeprefix("fuzz_")
     grown = program.parent / "corpus" / name
     grown.mkdir(parents=True, exist_ok=True)
     bound = f"-max_total_time={seconds}" if seconds else "-runs=0"
-    command = [program.resolve(), bound, f"-seed={seed}", "-max_len=4096", "-timeout=5", "-rss_limit_mb=1024",
-               f"-artifact_prefix={program.parent.resolve()}/{name}-", grown.resolve(),
-               pathlib.Path("tests/fuzz/corpus", name).resolve()]
+    command = [program.resolve(), bound, f"-seed={seed}", "-max_len=4096", "-timeout=20", "-rss_limit_mb=1024",
+               f"-artifact_prefix={program.parent.resolve()}/{name}-"]
+    words = HERE / f"{name}.dict"
+    command += [f"-dict={words}"] if words.exists() else []
+    command += [grown.resolve(), HERE / "corpus" / name]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           errors="replace")
     runs = re.findall(r"Done (\d+) runs", done.stdout)
     coverage = re.findall(r"cov: (\d+)", done.stdout)
-    figures = f"{runs[-1] if runs else '?'} executions, {coverage[-1] if coverage else '?'} edges covered"
-    return name, done.returncode, figures, done.stdout
+    return name, done.returncode, int(runs[-1] if runs else 0), int(coverage[-1] if coverage else 0), done.stdout
 
 
 def main():
@@ -37,14 +45,20 @@ def main():
     arguments.add_argument("--seed", type=int, default=0, help="0: another one each time")
     arguments.add_argument("programs", nargs="+", type=pathlib.Path)
     options = arguments.parse_args()
-    failed = 0
+    failed = executions = 0
+    before = os.times()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for name, status, figures, output in pool.map(lambda p: fuzz(p, options.seconds, options.seed), options.programs):
+        for name, status, runs, edges, output in pool.map(lambda p: fuzz(p, options.seconds, options.seed), options.programs):
             print(f"{'not ok' if status else 'ok'} fuzz_{name}")
-            print(f"# fuzz_{name}: {figures}")
+            print(f"# fuzz_{name}: {runs} executions, {edges} edges covered")
+            executions += runs
             if status:
                 failed += 1
                 print(output[-4000:])
+    now = os.times()
+    hours = (now.children_user + now.children_system - before.children_user - before.children_system) / 3600
+    report(f"fuzzing of {len(options.programs)} targets, both sanitizers", "0 findings",
+           f"{executions} executions in {hours:.2f} hours of processor time, {failed} findings", not failed)
     return 1 if failed else 0
 
 

@@ -10,6 +10,7 @@
 #include "tests/oracle/visibility.h"
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
+#include "tests/support/field.h"
 
 static const double promise = 1e-9;
 
@@ -23,17 +24,6 @@ struct surface {
     struct closed_form_fan fan;
     uint32_t sides;
 };
-
-static struct gd_field *field_from(const struct gd_mesh *mesh, struct gd_point point)
-{
-    struct gd_seed seed = {.point = point};
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
-    return field;
-}
 
 static double distance_at(const struct gd_field *field, struct gd_point point)
 {
@@ -50,7 +40,7 @@ static void compare(struct surface *surface, uint64_t rng_seed)
     double worst = 0;
     for (int i = 0; i < SOURCES; i++) {
         struct test_place source = test_random_place(&surface->polygons, &rng);
-        struct gd_field *field = field_from(mesh, test_point(mesh, source));
+        struct gd_field *field = test_field_from(mesh, test_point(mesh, source));
         double from[3], to[3];
         test_place_position(&surface->polygons, source, from);
         for (int k = 0; k < TARGETS; k++) {
@@ -190,7 +180,7 @@ static void compare_obstacles(const struct sample_obstacles *scene, uint64_t rng
     for (int i = 0; i < 2; i++) {
         struct gd_point source = {0};
         check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){ends[i]}, &source, NULL), NULL);
-        struct gd_field *field = field_from(mesh, source);
+        struct gd_field *field = test_field_from(mesh, source);
         gd_field_vertex_distances(field, values);
         gd_field_release(field);
         struct visibility *visibility = visibility_create(&plan, polygons->positions[ends[i]]);

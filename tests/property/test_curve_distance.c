@@ -6,24 +6,11 @@
 #include <stdlib.h>
 
 #include "gd/curve_distance.h"
-#include "gd/io.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 #include "tests/samples/samples.h"
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_curve *curve)
-{
-    uint32_t count = gd_curve_seed_count(curve);
-    struct gd_seed *seeds = malloc(count * sizeof *seeds);
-    struct gd_field *field;
-    struct gd_detail detail = {0};
-    gd_curve_seeds(curve, 0, seeds);
-    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count}, NULL, NULL, &field,
-                            &detail),
-             &detail);
-    free(seeds);
-    return field;
-}
+#include "tests/support/shared.h"
+#include "tests/support/field.h"
 
 /* Random points joined by shortest paths; one that cannot be joined is left out. */
 static struct gd_curve random_curve(const struct gd_mesh *mesh, const struct gd_polygons *polygons, uint32_t count,
@@ -89,7 +76,7 @@ static void check_angle(const struct gd_curve *curve, double angle, struct sums 
 static void check_pair(const struct gd_mesh *mesh, const struct gd_curve *a, const struct gd_curve *b,
                        struct sums *sums)
 {
-    struct gd_field *of_a = field_of(mesh, a), *of_b = field_of(mesh, b);
+    struct gd_field *of_a = test_field_of_curve(mesh, a, 0), *of_b = test_field_of_curve(mesh, b, 0);
     struct gd_curve_distance ab = least(of_a, a, b), ba = least(of_b, b, a);
     double scale = mesh->summary.edge_length.mean;
     sums->pairs++;
@@ -169,18 +156,7 @@ static void shared_meshes(void **state)
     struct rng rng = {22};
     struct sums sums = {0};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        const char *folder = getenv("GEODESICD_SHARED") ? getenv("GEODESICD_SHARED") : "../shared";
-        char path[256];
-        size_t size;
-        struct gd_polygons polygons = {0};
-        snprintf(path, sizeof path, "%s/meshes/%s.obj", folder, names[n]);
-        char *bytes = test_read_file(path, &size);
-        if (!bytes) {
-            print_message("# skipped: there is no %s\n", path);
-            skip();
-        }
-        check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
-        free(bytes);
+        struct gd_polygons polygons = test_shared_polygons(names[n]);
         check_mesh(&polygons, 4, &rng, &sums);
         gd_polygons_free(&polygons);
     }
@@ -189,16 +165,9 @@ static void shared_meshes(void **state)
 
 /* --- closed forms -------------------------------------------------------------------------------------------------------- */
 
-static struct gd_point at(const struct gd_mesh *mesh, double x, double y)
-{
-    struct gd_point point;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &point, NULL, NULL), NULL);
-    return point;
-}
-
 static struct gd_curve line(const struct gd_mesh *mesh, double x0, double y0, double x1, double y1)
 {
-    struct gd_point points[2] = {at(mesh, x0, y0), at(mesh, x1, y1)};
+    struct gd_point points[2] = {test_point_near(mesh, x0, y0, 0), test_point_near(mesh, x1, y1, 0)};
     struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = points, .count = 2};
     struct gd_curve curve;
     check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
@@ -227,7 +196,7 @@ static void lines_in_the_plane(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct gd_curve a = line(mesh, cases[i].a[0], cases[i].a[1], cases[i].a[2], cases[i].a[3]),
                         b = line(mesh, cases[i].b[0], cases[i].b[1], cases[i].b[2], cases[i].b[3]);
-        struct gd_field *field = field_of(mesh, &a);
+        struct gd_field *field = test_field_of_curve(mesh, &a, 0);
         struct gd_curve_distance found = least(field, &a, &b), far;
         assert_true(fabs(found.distance - cases[i].distance) < 1e-14);
         assert_true(fabs(found.a.parameter - cases[i].at_a) < 1e-12);
@@ -258,7 +227,7 @@ static void boundaries(void **state)
         check_ok(gd_curve_resolve(mesh, &(struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = i}, NULL,
                                   NULL, &loop[i], NULL),
                  NULL);
-    struct gd_field *field = field_of(mesh, &loop[0]);
+    struct gd_field *field = test_field_of_curve(mesh, &loop[0], 0);
     struct gd_curve_distance found = least(field, &loop[0], &loop[1]);
     check_close(found.distance, 3, 1e-14);
     assert_true(fabs(found.a.angle - M_PI / 2) < 1e-9 && fabs(found.b.angle - M_PI / 2) < 1e-9);

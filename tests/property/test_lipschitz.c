@@ -1,6 +1,6 @@
 /* 1-Lipschitz, Property 4 of Y.-J. Liu, "Exact geodesic metric in 2-manifold triangle meshes using edge-based data structures": for any set A
- * |d_A(x) - d_A(y)| <= d(x, y). Random sets of points and a curve, with offsets, at random points inside faces, on every mesh of the folder named by
- * GEODESICD_SHARED, or ../shared beside the project; skipped elsewhere.
+ * |d_A(x) - d_A(y)| <= d(x, y). Random sets of points and a curve, with offsets, at random points inside faces, on every mesh of a folder
+ * (tests/support/shared.h).
  *
  * An offset is a distance to the set as well: d_A(x) = min over the members of offset + d(x, member) is the least of functions that obey the law. */
 #include <dirent.h>
@@ -10,8 +10,8 @@
 #include <string.h>
 
 #include "gd/curve.h"
-#include "gd/io.h"
 #include "gd/query.h"
+#include "tests/support/shared.h"
 #include "tests/support/test.h"
 
 static const double promise = 1e-9;
@@ -23,34 +23,8 @@ enum {
         400,    /* the law at its sharpest: the straight way within the face is the shortest, or as good as */
     PAIRS = 12, /* anywhere, with the distance searched for */
     PATH_LENGTH = 4096,
-    NAME_LENGTH = 257 /* with its slash */
+    NAME_LENGTH = 256
 };
-
-/* --- the meshes ---------------------------------------------------------------------------------------------------------- */
-
-static const char *shared_folder(void)
-{
-    const char *named = getenv("GEODESICD_SHARED");
-    return named ? named : "../shared";
-}
-
-/* Built, repaired if it has to be; NULL when the bytes can't be read. */
-static struct gd_mesh *load(const char *folder, const char *name)
-{
-    char path[PATH_LENGTH + NAME_LENGTH];
-    size_t size;
-    struct gd_polygons polygons = {0};
-    struct gd_detail detail = {0};
-    struct gd_mesh *mesh = NULL;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    char *bytes = test_read_file(path, &size);
-    if (!bytes) return NULL;
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, &detail), &detail);
-    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, &detail), &detail);
-    gd_polygons_free(&polygons);
-    free(bytes);
-    return mesh;
-}
 
 /* --- points and sets ----------------------------------------------------------------------------------------------------- */
 
@@ -177,7 +151,7 @@ static void distances_to_sets_are_lipschitz(void **state)
     (void)state;
     char folder[PATH_LENGTH];
     int count = 0;
-    snprintf(folder, sizeof folder, "%s/meshes", shared_folder());
+    snprintf(folder, sizeof folder, "%s/meshes", test_shared_folder());
     DIR *listing = opendir(folder);
     if (!listing) {
         print_message("# skipped: there is no folder %s\n", folder);
@@ -186,9 +160,10 @@ static void distances_to_sets_are_lipschitz(void **state)
     for (struct dirent *entry; (entry = readdir(listing));) {
         const char *dot = strrchr(entry->d_name, '.');
         if (!dot || strcmp(dot, ".obj") != 0) continue;
-        struct gd_mesh *mesh = load(folder, entry->d_name);
-        assert_non_null(mesh);
-        check_mesh(entry->d_name, mesh);
+        char name[NAME_LENGTH];
+        snprintf(name, sizeof name, "%.*s", (int)(dot - entry->d_name), entry->d_name);
+        struct gd_mesh *mesh = test_shared_mesh(name);
+        check_mesh(name, mesh);
         gd_mesh_release(mesh);
         count++;
     }

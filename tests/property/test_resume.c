@@ -9,8 +9,8 @@
 
 #include "gd/cpu.h"
 #include "gd/field.h"
-#include "gd/io.h"
 #include "tests/samples/samples.h"
+#include "tests/support/shared.h"
 
 enum { MOST_SEEDS = 16, POINTS = 40 };
 
@@ -280,20 +280,8 @@ static void shared_meshes(void **state)
     (void)state;
     static const char *const names[] = {"spot", "fandisk", "rocker-arm", "stanford-bunny"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        char path[256];
-        size_t size;
-        const char *shared = getenv("GEODESICD_SHARED");
-        snprintf(path, sizeof path, "%s/meshes/%s.obj", shared ? shared : "../shared", names[n]);
-        char *bytes = test_read_file(path, &size);
-        if (!bytes) {
-            print_message("# skipped: there is no %s\n", path);
-            skip();
-        }
-        struct gd_polygons polygons = {0};
-        check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
-        free(bytes);
         struct scene scene;
-        open_scene(&scene, polygons, n);
+        open_scene(&scene, test_shared_polygons(names[n]), n);
         struct gd_field *field = resumed(build(&scene, 0.3 * scene.farthest, NULL), 0.6 * scene.farthest);
         double worst = check_field(&scene, field);
         field = resumed(field, 0);

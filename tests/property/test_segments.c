@@ -3,19 +3,19 @@
 #include "tests/support/test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "gd/cpu.h"
 #include "gd/field.h"
-#include "gd/io.h"
 #include "gd/locate.h"
 #include "gd/query.h"
 #include "gd/trace.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
 #include "tests/samples/samples.h"
+#include "tests/support/shared.h"
+#include "tests/support/field.h"
 
 /* --- curves -------------------------------------------------------------------------------------------------------------- */
 
@@ -44,23 +44,6 @@ static void put_geodesic(const struct gd_mesh *mesh, struct gd_point from, struc
     gd_pair_answer_free(&answer);
 }
 
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
-{
-    struct gd_field *field;
-    struct gd_detail detail = {0};
-    check_ok(gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = count}, NULL, NULL, &field,
-                            &detail),
-             &detail);
-    return field;
-}
-
-static double distance_at(const struct gd_field *field, const struct gd_point *point)
-{
-    double distance;
-    check_ok(gd_field_distance(field, point, &distance), NULL);
-    return distance;
-}
-
 /* --- the oracle ---------------------------------------------------------------------------------------------------------- */
 
 static struct gd_point between(const struct gd_mesh *mesh, const struct gd_seed *segment, double s)
@@ -83,7 +66,7 @@ static double least_along(const struct gd_mesh *mesh, const struct gd_field *fie
     struct gd_vec3 a = gd_point_position(mesh, &segment->point), b = gd_point_position(mesh, &segment->end);
     double length = gd_vec3_length(gd_vec3_sub(b, a)), stack[128][4];
     int depth = 0;
-    double d0 = distance_at(field, &segment->point), d1 = distance_at(field, &segment->end);
+    double d0 = test_distance(field, &segment->point), d1 = test_distance(field, &segment->end);
     best = fmin(best, fmin(d0, d1));
     memcpy(stack[depth++], (double[4]){0, 1, d0, d1}, sizeof stack[0]);
     while (depth) {
@@ -93,7 +76,7 @@ static double least_along(const struct gd_mesh *mesh, const struct gd_field *fie
             continue;
         double middle = 0.5 * (s0 + s1);
         struct gd_point point = between(mesh, segment, middle);
-        double e = distance_at(field, &point);
+        double e = test_distance(field, &point);
         best = fmin(best, e);
         memcpy(stack[depth++], (double[4]){s0, middle, e0, e}, sizeof stack[0]);
         memcpy(stack[depth++], (double[4]){middle, s1, e, e1}, sizeof stack[0]);
@@ -105,7 +88,7 @@ static double least_along_curve(const struct gd_mesh *mesh, const struct gd_fiel
 {
     double best = HUGE_VAL;
     for (uint32_t i = 0; i < curve.count; i++)
-        if (!curve.seeds[i].is_segment) best = fmin(best, distance_at(field, &curve.seeds[i].point));
+        if (!curve.seeds[i].is_segment) best = fmin(best, test_distance(field, &curve.seeds[i].point));
     for (uint32_t i = 0; i < curve.count; i++)
         if (curve.seeds[i].is_segment) best = least_along(mesh, field, &curve.seeds[i], best);
     return best;
@@ -118,10 +101,10 @@ static void check_offset(const struct gd_mesh *mesh, const struct gd_field *fiel
     static struct curve moved;
     moved = curve;
     for (uint32_t i = 0; i < moved.count; i++) moved.seeds[i].offset = 0.7;
-    struct gd_field *later = field_of(mesh, moved.seeds, moved.count);
+    struct gd_field *later = test_field(mesh, moved.seeds, moved.count, 0);
     for (int i = 0; i < 20; i++) {
         struct gd_point p = test_point(mesh, test_random_place(polygons, rng));
-        check_close(distance_at(later, &p), distance_at(field, &p) + 0.7, 1e-12);
+        check_close(test_distance(later, &p), test_distance(field, &p) + 0.7, 1e-12);
     }
     gd_field_release(later);
 }
@@ -130,12 +113,12 @@ static void check_offset(const struct gd_mesh *mesh, const struct gd_field *fiel
 static double check_against_points(const struct gd_mesh *mesh, const struct gd_polygons *polygons, int count,
                                    struct rng *rng)
 {
-    struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+    struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
     double worst = 0;
     for (int i = 0; i < count; i++) {
         struct gd_point p = test_point(mesh, test_random_place(polygons, rng));
-        struct gd_field *back = field_of(mesh, &(struct gd_seed){.point = p}, 1);
-        double distance = distance_at(field, &p);
+        struct gd_field *back = test_field(mesh, &(struct gd_seed){.point = p}, 1, 0);
+        double distance = test_distance(field, &p);
         double least = least_along_curve(mesh, back);
         if (least < 1e-12 * mesh->summary.edge_length.mean) { /* a point of the curve, up to rounding */
             assert_true(distance < 1e-12 * mesh->summary.edge_length.mean);
@@ -146,7 +129,7 @@ static double check_against_points(const struct gd_mesh *mesh, const struct gd_p
         struct gd_path path;
         check_ok(gd_field_path(field, &p, &path), NULL);
         check_close(path.length, distance, 1e-9);
-        double there = distance_at(back, &path.points[path.count - 1]);
+        double there = test_distance(back, &path.points[path.count - 1]);
         check_close(there, distance, 1e-9);
         uint32_t seed;
         double again;
@@ -233,9 +216,9 @@ static void kernels_agree(void **state)
     int compared = 0;
     for (int k = 0; k < 3; k++) {
         if (gd_cpu_select(kernels[k])) continue;
-        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
         for (int i = 0; i < 500; i++) {
-            double distance = distance_at(field, &points[i]);
+            double distance = test_distance(field, &points[i]);
             if (k == 0) first[i] = distance;
             assert_true(distance == first[i]);
         }
@@ -262,14 +245,14 @@ static void planes(void **state)
         for (int i = 0; i < 2; i++) ends[i] = test_point(mesh, test_random_place(&polygons, &rng));
         curve.count = 0;
         put_geodesic(mesh, ends[0], ends[1]);
-        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
         struct gd_vec3 a = gd_point_position(mesh, &ends[0]), span = gd_vec3_sub(gd_point_position(mesh, &ends[1]), a);
         for (int i = 0; i < 300; i++) {
             struct gd_point p = test_point(mesh, test_random_place(&polygons, &rng));
             struct gd_vec3 from = gd_vec3_sub(gd_point_position(mesh, &p), a);
             double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
             part = part < 0 ? 0 : part > 1 ? 1 : part;
-            double expected = gd_vec3_length(gd_vec3_along(from, -part, span)), distance = distance_at(field, &p);
+            double expected = gd_vec3_length(gd_vec3_along(from, -part, span)), distance = test_distance(field, &p);
             assert_true(fabs(distance - expected) <= 1e-12 * scales[n]);
         }
         gd_field_release(field);
@@ -305,7 +288,7 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     for (uint32_t i = 1; i < trace.path.count; i++) {
         struct gd_vec3 place = gd_point_position(mesh, &trace.path.points[i]);
         double expected = fmin(to_segment(place, bend[0], bend[1]), to_segment(place, bend[1], bend[2]));
-        double error = fabs(distance_at(field, &trace.path.points[i]) - expected) / expected;
+        double error = fabs(test_distance(field, &trace.path.points[i]) - expected) / expected;
         worst = fmax(worst, error);
     }
     gd_trace_free(&trace);
@@ -336,7 +319,7 @@ static void joints(void **state)
         put_geodesic(mesh, bend[0], bend[1]);
         curve.count--;
         put_geodesic(mesh, bend[1], bend[2]);
-        struct gd_field *field = field_of(mesh, curve.seeds, curve.count);
+        struct gd_field *field = test_field(mesh, curve.seeds, curve.count, 0);
         for (uint32_t k = 2; k + 2 < curve.count; k += 2)
             for (int side = -1; side <= 1; side += 2)
                 worst = fmax(worst, check_opposite(mesh, field, &curve.seeds[k].point,
@@ -371,30 +354,13 @@ static void what_is_no_segment(void **state)
     gd_polygons_free(&polygons);
 }
 
-static struct gd_polygons read_shared(const char *name)
-{
-    char path[256];
-    size_t size;
-    struct gd_polygons polygons = {0};
-    snprintf(path, sizeof path, "%s/meshes/%s.obj",
-             getenv("GEODESICD_SHARED") ? getenv("GEODESICD_SHARED") : "../shared", name);
-    char *bytes = test_read_file(path, &size);
-    if (!bytes) {
-        print_message("# skipped: there is no %s\n", path);
-        skip();
-    }
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
-    free(bytes);
-    return polygons;
-}
-
 static void geodesics_on_shared_meshes(void **state)
 {
     (void)state;
     static const char *const names[] = {"spot", "fandisk", "rocker-arm", "stanford-bunny"};
     struct rng rng = {7};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        struct gd_polygons polygons = read_shared(names[n]);
+        struct gd_polygons polygons = test_shared_polygons(names[n]);
         struct gd_mesh *mesh = test_mesh(&polygons);
         curve.count = 0;
         for (int i = 0; i < 2; i++)

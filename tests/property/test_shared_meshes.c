@@ -1,52 +1,16 @@
-/* Meshes that no one here made, where they are at hand: the folder named by GEODESICD_SHARED, or ../shared beside
- * the project, with meshes/ and data/reference.json. Skipped elsewhere. */
+/* Meshes that no one here made (tests/support/shared.h): known distances (data/reference.json of the folder), and laws. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "gd/field.h"
-#include "gd/io.h"
 #include "tests/support/laws.h"
+#include "tests/support/shared.h"
 
 static const double promise = 1e-9;
 
-enum { FEW = 3, MANY = 25, MAX_TARGETS = 64, PATH_LENGTH = 4096 };
-
-static const char *shared_folder(void)
-{
-    const char *named = getenv("GEODESICD_SHARED");
-    return named ? named : "../shared";
-}
-
-/* The bytes of a file of the folder, or the end of the test when the folder is not there. */
-static char *read_shared(const char *name, size_t *size)
-{
-    char path[PATH_LENGTH];
-    struct stat folder;
-    if (stat(shared_folder(), &folder) != 0) {
-        print_message("# skipped: there is no folder %s\n", shared_folder());
-        skip();
-    }
-    snprintf(path, sizeof path, "%s/%s", shared_folder(), name);
-    char *bytes = test_read_file(path, size);
-    assert_non_null(bytes);
-    return bytes;
-}
-
-static struct gd_polygons read_mesh(const char *name)
-{
-    char file[64];
-    size_t size;
-    snprintf(file, sizeof file, "meshes/%s.obj", name);
-    char *bytes = read_shared(file, &size);
-    struct gd_polygons polygons = {0};
-    struct gd_detail detail = {0};
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, &detail), &detail);
-    free(bytes);
-    return polygons;
-}
+enum { FEW = 3, MANY = 25, MAX_TARGETS = 64 };
 
 /* --- reference.json: {"mesh": [{"source": n, "targets": [n…], "distances": [x…], "max": x, "agree": x}…]…} ------ */
 
@@ -136,14 +100,14 @@ static void test_references(void **state)
     (void)state;
     static const char *const names[] = {"spot", "fandisk", "homer", "rocker-arm", "stanford-bunny"};
     size_t size;
-    char *json = read_shared("data/reference.json", &size);
+    char *json = test_shared_file("data/reference.json", &size);
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char key[64];
         snprintf(key, sizeof key, "\"%s\":", names[i]);
         const char *text = strstr(json, key);
         assert_non_null(text);
         const char *end = list_end(text);
-        struct gd_polygons polygons = read_mesh(names[i]);
+        struct gd_polygons polygons = test_shared_polygons(names[i]);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct reference reference;
         uint32_t compared = 0;
@@ -168,7 +132,7 @@ static void test_refused(void **state)
     } refused[] = {
         {"teapot", GD_NON_MANIFOLD_VERTEX}, {"cow", GD_NON_MANIFOLD_VERTEX}, {"beetle", GD_NON_MANIFOLD_EDGE}};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
-        struct gd_polygons polygons = read_mesh(refused[i].name);
+        struct gd_polygons polygons = test_shared_polygons(refused[i].name);
         struct gd_mesh *mesh = NULL;
         struct gd_detail detail = {0};
         assert_int_equal(gd_mesh_build(&polygons, NULL, NULL, &mesh, &detail), refused[i].status);
@@ -182,7 +146,7 @@ static void test_refused(void **state)
  * caller). */
 static struct gd_mesh *repair(const char *name, struct gd_polygons *surface)
 {
-    struct gd_polygons polygons = read_mesh(name);
+    struct gd_polygons polygons = test_shared_polygons(name);
     struct gd_mesh *mesh = NULL;
     struct gd_detail detail = {0};
     check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, &detail), &detail);
@@ -220,7 +184,7 @@ static void test_polygons(void **state)
         uint32_t faces, components;
     } accepted[] = {{"suzanne", 968, 3}, {"beast", 64618, 0}};
     for (size_t i = 0; i < sizeof accepted / sizeof *accepted; i++) {
-        struct gd_polygons polygons = read_mesh(accepted[i].name), triangles;
+        struct gd_polygons polygons = test_shared_polygons(accepted[i].name), triangles;
         struct gd_mesh *mesh = test_mesh(&polygons);
         assert_int_equal(gd_mesh_summary(mesh)->faces, accepted[i].faces);
         if (accepted[i].components) assert_int_equal(gd_mesh_summary(mesh)->components, accepted[i].components);

@@ -5,6 +5,7 @@
 
 #include "gd/query.h"
 #include "mesh/topology.h"
+#include "tests/support/field.h"
 
 static const double promise = 1e-9;
 
@@ -63,22 +64,13 @@ void member_set_free(struct member_set *set)
 
 /* --- diagrams --------------------------------------------------------------------------------------------------------------- */
 
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
-{
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
-}
-
 /* Its seeds follow each other. */
 static struct gd_field *field_of_member(const struct gd_mesh *mesh, const struct member_set *set, uint32_t member)
 {
     uint32_t first = 0, count = 0;
     while (set->member_of_seed[first] != member) first++;
     while (first + count < set->seed_count && set->member_of_seed[first + count] == member) count++;
-    return field_of(mesh, set->seeds + first, count);
+    return test_field(mesh, set->seeds + first, count, 0);
 }
 
 /* At a vertex. */
@@ -95,7 +87,7 @@ static double greatest_distance(const struct gd_field *field)
 
 struct diagram diagram_of(const struct gd_mesh *mesh, const struct member_set *set, double tolerance)
 {
-    struct diagram diagram = {.mesh = mesh, .set = set, .field = field_of(mesh, set->seeds, set->seed_count)};
+    struct diagram diagram = {.mesh = mesh, .set = set, .field = test_field(mesh, set->seeds, set->seed_count, 0)};
     diagram.alone = malloc(sizeof *diagram.alone * set->count);
     for (uint32_t i = 0; i < set->count; i++) {
         diagram.alone[i] = field_of_member(mesh, set, i);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 
 #include "gd/cpu.h"
+#include "gd/locate.h"
+#include "tests/samples/samples.h"
 
 /* Before any test: a suite is run on chosen kernels without a word in it. */
 __attribute__((constructor)) static void select_kernels(void)
@@ -41,6 +43,18 @@ struct gd_mesh *test_mesh(const struct gd_polygons *polygons)
     return mesh;
 }
 
+struct gd_mesh *test_sample(const char *name, const double *values, struct gd_polygons *polygons)
+{
+    struct gd_polygons own;
+    check_ok(sample_find(name)->generate(values, &own), NULL);
+    struct gd_mesh *mesh = test_mesh(&own);
+    if (polygons)
+        *polygons = own;
+    else
+        gd_polygons_free(&own);
+    return mesh;
+}
+
 struct test_place test_random_place(const struct gd_polygons *polygons, struct rng *rng)
 {
     struct test_place place = {.face = rng_below(rng, polygons->polygon_count)};
@@ -69,6 +83,22 @@ struct gd_point test_point(const struct gd_mesh *mesh, struct test_place place)
     struct gd_point point = {0};
     struct gd_detail detail = {0};
     check_ok(gd_point_in_face(mesh, (struct gd_face){place.face}, place.weight, &point, &detail), &detail);
+    return point;
+}
+
+struct gd_point test_vertex(const struct gd_mesh *mesh, uint32_t index)
+{
+    struct gd_point point = {0};
+    struct gd_detail detail = {0};
+    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, &detail), &detail);
+    return point;
+}
+
+struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y, double z)
+{
+    struct gd_point point = {0};
+    struct gd_detail detail = {0};
+    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, NULL, &detail), &detail);
     return point;
 }
 

@@ -24,6 +24,9 @@ void test_check_ok(enum gd_status status, const struct gd_detail *detail, const 
 /* Builds a mesh or fails the test; the caller releases it. */
 struct gd_mesh *test_mesh(const struct gd_polygons *polygons);
 
+/* The same of a sample, as sample_find has it. `polygons`: if not NULL it is given those, to be freed by the caller. */
+struct gd_mesh *test_sample(const char *name, const double *values, struct gd_polygons *polygons);
+
 /* A point of a triangle mesh by face and barycentric coordinates; weights of exactly zero put it on an edge or a
  * vertex. */
 struct test_place {
@@ -35,6 +38,9 @@ struct test_place {
 struct test_place test_random_place(const struct gd_polygons *polygons, struct rng *rng);
 void test_place_position(const struct gd_polygons *polygons, struct test_place place, double out[3]);
 struct gd_point test_point(const struct gd_mesh *mesh, struct test_place place);
+struct gd_point test_vertex(const struct gd_mesh *mesh, uint32_t index);
+struct gd_point test_point_near(const struct gd_mesh *mesh, double x, double y,
+                                double z); /* the nearest of the surface */
 
 /* The file's bytes, malloc'ed and followed by a NUL; NULL when it can't be read. */
 char *test_read_file(const char *path, size_t *size);

@@ -23,7 +23,7 @@ struct gd_discretize_options {
 struct gd_discretization {
     struct gd_polygons polygons;
     struct gd_limit_point *places; /* vertices on edges: in any of the faces */
-    struct gd_vec3 *normals;       /* of unit length; on a crease that of one side */
+    struct gd_vec3 *normals;       /* of unit length; on a crease that of one side; 0 where there is none */
 };
 
 /* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */
@@ -33,7 +33,7 @@ void gd_discretization_free(struct gd_discretization *discretization);
  * are. With a tolerance each face has its own level and neighbours are joined without cracks: an edge is as fine as the finer face beside it. How near the
  * triangles are is measured, not proven: at points two levels finer, across the surface, and from edges' chords. `options` and `control` may be NULL (level 0);
  * the caller frees `*out`. Errors: GD_INVALID_ARGUMENT (level, tolerance), GD_TOO_LARGE (over max_faces, or the tolerance asks for more
- * than level 12), GD_INTERNAL (control points coincide so that a vertex has no normal), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
+ * than level 12), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE.
  * Linear time, some 0.2 us a vertex, and for each control face that isn't regular some 10 us a level. 120 bytes a vertex. Thread-safe. */
 GD_MUST_USE enum gd_status gd_discretize(const struct gd_subdivision *surface,
                                          const struct gd_discretize_options *options, const struct gd_control *control,

@@ -11,27 +11,30 @@
 
 #include "gd/parametric.h"
 
-#define GD_DOMAIN_CURVE_COUNT_MAX 65536
+#define GD_DOMAIN_CURVE_COUNT_MAX   65536
+#define GD_DOMAIN_CURVE_PERIODS_MAX 1000000 /* that a place may lie away from the domain in a closed direction */
 
 struct gd_domain_curve;
 
 /* Which parameter stays. */
 enum gd_iso { GD_ISO_U, GD_ISO_V };
 
-/* Errors of all: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a place outside the domain, two corners in one place, knots that
- * are no knots, degree or count out of range), GD_NO_MEMORY. The caller owns one reference of `*out`. */
+/* Errors of all: GD_INVALID_ARGUMENT with a sentence (a number that is not finite, a place outside the domain or too many periods away from it, two corners in one place, knots that
+ * are no knots, degree or count out of range), GD_NO_MEMORY; and with `control`, which may be NULL, GD_CANCELLED, GD_DEADLINE: where a long curve
+ * crosses lines of the surface takes up to a tenth of a second to find. The caller owns one reference of `*out`. */
 GD_MUST_USE enum gd_status gd_domain_curve_point(const struct gd_parametric *surface, double u, double v,
                                                  struct gd_domain_curve **out, struct gd_detail *detail);
 
 /* Corners (u, v), at least two. In closed directions they may leave [low, high]: so a curve winds around. */
 GD_MUST_USE enum gd_status gd_domain_curve_polyline(const struct gd_parametric *surface, const double (*corners)[2],
-                                                    uint32_t count, struct gd_domain_curve **out,
-                                                    struct gd_detail *detail);
+                                                    uint32_t count, const struct gd_control *control,
+                                                    struct gd_domain_curve **out, struct gd_detail *detail);
 
 /* `knots`: count + degree + 1 of them. */
 GD_MUST_USE enum gd_status gd_domain_curve_bspline(const struct gd_parametric *surface, uint32_t degree,
                                                    const double *knots, const double (*points)[2], uint32_t count,
-                                                   struct gd_domain_curve **out, struct gd_detail *detail);
+                                                   const struct gd_control *control, struct gd_domain_curve **out,
+                                                   struct gd_detail *detail);
 
 GD_MUST_USE enum gd_status gd_domain_curve_iso(const struct gd_parametric *surface, enum gd_iso fixed, double at,
                                                struct gd_domain_curve **out, struct gd_detail *detail);

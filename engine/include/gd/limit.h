@@ -21,21 +21,22 @@ struct gd_limit_point {
 
 struct gd_limit_jet {
     struct gd_vec3 position;
-    struct gd_vec3 normal; /* of unit length, outwards */
+    struct gd_vec3 normal; /* of unit length, outwards; NAN where there is none */
     struct gd_vec3 du, dv;
     struct gd_vec3 duu, duv, dvv;
     double curvatures
         [2]; /* principal, ascending; positive where the surface bends towards its normal (a sphere's are -1/r) */
     /* At an extraordinary vertex, at the end of a crease, and at a corner that is no single face's, derivatives in u and v vanish or are infinite: there du and dv are of
-     * unit length along the face's two edges, second derivatives are 0 and curvatures NaN, for they have no limit in general. */
+     * unit length along the face's two edges, second derivatives are 0 and curvatures NAN, for they have no limit in general. A corner inside of a smooth surface is the tip of a
+     * spike, which has no normal; there du and dv both are along its axis, or NAN. */
     bool singular;
 };
 
 /* The limit surface at a place: exact up to rounding (some 1e-15 of the one-ring's size), from local subdivision to a bicubic B-spline or quartic box spline patch;
  * at extraordinary vertices from the limit masks (Halstead, Kass, DeRose 1993; Biermann, Levin, Zorin 2000). On a crease it is the
- * face's own side that is told. At the end of a boundary with one face (edge only) the normal is the limit of the normals. `detail` may be NULL.
- * Errors: GD_OUT_OF_RANGE (face or corner), GD_INVALID_ARGUMENT (u, v outside the face by more than 1e-9 or not finite), GD_NO_MEMORY,
- * GD_INTERNAL (no normal: the control points of a neighbourhood coincide or lie on a line). O(1) in regular places, else a few microseconds a
+ * face's own side that is told. At the end of a boundary with one face (edge only) the normal is the limit of the normals. Where control
+ * points coincide so that derivatives span no plane there is a position, and no normal. `detail` may be NULL.
+ * Errors: GD_OUT_OF_RANGE (face or corner), GD_INVALID_ARGUMENT (u, v outside the face by more than 1e-9 or not finite), GD_NO_MEMORY. O(1) in regular places, else a few microseconds a
  * halving of the distance to the extraordinary vertex; on top of it memory for the work is set up: use gd_limit_evaluate_many for many. */
 GD_MUST_USE enum gd_status gd_limit_evaluate(const struct gd_subdivision *surface, const struct gd_limit_point *place,
                                              struct gd_limit_jet *out, struct gd_detail *detail);

@@ -31,7 +31,7 @@ uint32_t gd_limit_mesh_usual_level(const struct gd_subdivision *surface);
 size_t gd_limit_mesh_cost(const struct gd_subdivision *surface, uint32_t level);
 
 /* The caller frees `*out`, which keeps the surface alive; max_faces: most triangles, 0: 2^28; `control` and `detail` may be NULL.
- * Errors: those of gd_discretize (GD_INVALID_ARGUMENT, GD_TOO_LARGE, GD_INTERNAL) and of gd_mesh_build (GD_DEGENERATE_FACE above all: the surface is flat
+ * Errors: those of gd_discretize (GD_INVALID_ARGUMENT, GD_TOO_LARGE) and of gd_mesh_build (GD_DEGENERATE_FACE above all: the surface is flat
  * like a line somewhere). Linear time, some 0.5 us a vertex; memory as gd_limit_mesh_cost, of which a half stays. */
 GD_MUST_USE enum gd_status gd_limit_mesh_build(const struct gd_subdivision *surface, uint32_t level, uint32_t max_faces,
                                                const struct gd_control *control, struct gd_limit_mesh **out,

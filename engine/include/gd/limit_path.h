@@ -13,7 +13,7 @@ struct gd_limit_step {
 enum gd_limit_end {
     GD_LIMIT_END_LENGTH,
     GD_LIMIT_END_BOUNDARY, /* it met the boundary of the surface */
-    GD_LIMIT_END_SINGULAR, /* it met a corner, or a vertex at a crease, where no way is straight */
+    GD_LIMIT_END_SINGULAR, /* it met a corner, a vertex at a crease or a place without a normal, where no way is straight */
     GD_LIMIT_END_STEPS     /* GD_LIMIT_STEPS */
 };
 
@@ -34,11 +34,12 @@ void gd_limit_path_free(struct gd_limit_path *path);
 /* The geodesic from a place in a direction, which is projected onto the tangent plane, of a length >= 0. It solves x'' normal to the surface with x = S(u,v), that
  * is (u'',v'') = -g^-1 (S_u.a, S_v.a), a = S_uu u'^2 + 2 S_uv u'v' + S_vv v'^2, patch by patch: each is a polynomial, which goes on smoothly beyond its border,
  * and is left exactly at the border. Over creases it goes on as it would if they were flattened; through extraordinary vertices along its tangent. A start at a vertex of
- * which a face is told where the direction doesn't lead looks for the face where it does.
- * By Gragg's method with Bulirsch and Stoer's extrapolation, relative error per patch 1e-13 and so some 1e-11 after a hundred patches; chaos of the geodesic flow
+ * which a face is told where the direction doesn't lead looks for the face where it does, on its own side of creases; where there is none, or no normal, it ends at once.
+ * By Gragg's method with Bulirsch and Stoer's extrapolation, relative error per patch 1e-13 (towards a spike, where a patch is a sliver, as much more as it is flat) and so some 1e-11 after a hundred
+ * patches; chaos of the geodesic flow
  * (negative curvature) multiplies it as it does the error of the start.
  * `control` and `detail` may be NULL; the caller frees `*out`. Errors: those of gd_limit_evaluate; GD_INVALID_ARGUMENT (length, direction
- * not finite, or nothing of it is tangent); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Some 50 us a patch. Thread-safe. */
+ * not finite, or nothing of it is tangent); GD_INTERNAL (no step is short enough: control points all but coincide); GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE. Some 50 us a patch. Thread-safe. */
 GD_MUST_USE enum gd_status gd_limit_trace(const struct gd_subdivision *surface, const struct gd_limit_point *start,
                                           struct gd_vec3 direction, double length, const struct gd_control *control,
                                           struct gd_limit_path *out, struct gd_detail *detail);

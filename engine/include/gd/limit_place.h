@@ -12,10 +12,10 @@
 GD_MUST_USE enum gd_status gd_limit_place_check(const struct gd_subdivision *surface, struct gd_limit_point *place,
                                                 struct gd_detail *detail);
 
-/* The unit vector at an angle in the tangent plane of a jet. */
+/* The unit vector at an angle in the tangent plane of a jet, which has a normal. */
 struct gd_vec3 gd_limit_direction(const struct gd_limit_jet *jet, double angle);
 
-/* The angle of a vector that is projected onto the tangent plane, in [0, 2 pi); 0 when nothing of it is left. */
+/* The angle of a vector that is projected onto the tangent plane, in [0, 2 pi); 0 when nothing of it is left; NAN without a normal. */
 double gd_limit_angle(const struct gd_limit_jet *jet, struct gd_vec3 vector);
 
 #endif

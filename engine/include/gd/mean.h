@@ -26,6 +26,8 @@ struct gd_mean {
     double spread;   /* sqrt(f / sum of the weights): how far the points lie from it in the mean square */
     uint32_t iterations;
     bool converged; /* the residual is at most 1e-11 of the spread; after 100 iterations it is what it is */
+    bool
+        is_cut; /* the mean, or a place that the iteration came by, lies on the cut locus of a point: vectors jump there, and another mean may be as good */
 };
 
 /* `control` and `detail` may be NULL. Errors: GD_INVALID_ARGUMENT (no point, a weight that is negative or not finite, no weight), GD_NOT_ON_SURFACE

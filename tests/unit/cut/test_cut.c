@@ -1,12 +1,12 @@
 #include "cutting.h"
 
 #include <stdio.h>
-#include <sys/stat.h>
 
-#include "gd/io.h"
 #include "gd/query.h"
 #include "tests/samples/zoo.h"
 #include "tests/support/laws.h"
+#include "tests/support/shared.h"
+#include "tests/support/watch.h"
 
 /* --- closed forms ------------------------------------------------------------------------------------------------- */
 
@@ -372,19 +372,6 @@ static void spurs_are_left_off(void **state)
     gd_mesh_release(mesh);
 }
 
-struct watch {
-    double last;
-    uint32_t calls, most;
-};
-
-static bool count_down(void *user, double fraction)
-{
-    struct watch *watch = user;
-    assert_true(fraction >= watch->last && fraction <= 1);
-    watch->last = fraction;
-    return watch->calls++ < watch->most;
-}
-
 /* Every budget and every moment of being cancelled: an error that leaks nothing, or the answer. */
 static void budgets_and_cancels(void **state)
 {
@@ -403,9 +390,9 @@ static void budgets_and_cancels(void **state)
         if (is_done) gd_cut_free(&cut);
     }
     is_done = false;
-    for (uint32_t calls = 0; !is_done; calls += 1 + calls / 4) {
-        struct watch watch = {.most = calls};
-        const struct gd_control control = {.progress = count_down, .user = &watch};
+    for (uint32_t calls = 1; !is_done; calls += 1 + calls / 4) {
+        struct test_watch watch = {.most = calls};
+        const struct gd_control control = {.progress = test_watch, .user = &watch};
         struct gd_cut cut;
         enum gd_status status = gd_cut_along(mesh, &request, &control, &cut, NULL);
         is_done = status == GD_OK;
@@ -418,40 +405,17 @@ static void budgets_and_cancels(void **state)
 
 /* --- meshes that no one here made --------------------------------------------------------------------------------- */
 
-static struct gd_mesh *shared_mesh(const char *folder, const char *name)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/meshes/%s.obj", folder, name);
-    size_t size = 0;
-    char *bytes = test_read_file(path, &size);
-    assert_non_null(bytes);
-    struct gd_polygons polygons;
-    struct gd_mesh *mesh;
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
-    check_ok(gd_mesh_build(&polygons, &(struct gd_mesh_options){.repair_split = true}, NULL, &mesh, NULL), NULL);
-    gd_polygons_free(&polygons);
-    free(bytes);
-    return mesh;
-}
-
-/* The folder named by GEODESICD_SHARED, or ../shared beside the project; skipped where there is none. GD_CUT_CURVES:
- * how many curves, instead of the 100 that are cut here. */
+/* GD_CUT_CURVES: how many curves, instead of the 100 that are cut here. */
 static void random_curves_on_shared_meshes(void **state)
 {
     (void)state;
     static const char *const names[] = {"teapot", "cow",   "beetle",         "suzanne", "spot",
                                         "homer",  "beast", "stanford-bunny", "fandisk", "rocker-arm"};
-    const char *named = getenv("GEODESICD_SHARED"), *folder = named ? named : "../shared";
     const char *curves = getenv("GD_CUT_CURVES");
-    struct stat status;
-    if (stat(folder, &status) != 0) {
-        print_message("# skipped: there is no folder %s\n", folder);
-        skip();
-    }
     uint32_t each = (curves ? (uint32_t)strtoul(curves, NULL, 10) : 100) / COUNT(names);
     struct tally all = {0};
     for (size_t i = 0; i < COUNT(names); i++) {
-        struct gd_mesh *mesh = shared_mesh(folder, names[i]);
+        struct gd_mesh *mesh = test_shared_mesh(names[i]);
         struct tally tally = cut_at_random(mesh, each, i, 1e-12);
         all.cuts += tally.cuts;
         all.separating += tally.separating;

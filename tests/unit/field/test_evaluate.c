@@ -8,6 +8,7 @@
 #include "gd/cpu.h"
 #include "gd/field.h"
 #include "tests/samples/samples.h"
+#include "tests/support/watch.h"
 
 enum { POINTS = 5000 };
 
@@ -264,12 +265,6 @@ static void long_chains_give_the_same(void **state)
     gd_polygons_free(&polygons);
 }
 
-static bool never(void *user, double fraction)
-{
-    (void)user, (void)fraction;
-    return false;
-}
-
 static void what_stops_a_batch_leaves_the_output_alone(void **state)
 {
     (void)state;
@@ -281,7 +276,7 @@ static void what_stops_a_batch_leaves_the_output_alone(void **state)
     struct gd_field *field = field_of(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1});
     double *out = malloc(sizeof *out * POINTS), *untouched = malloc(sizeof *out * POINTS);
     for (uint32_t i = 0; i < POINTS; i++) out[i] = untouched[i] = -1;
-    struct gd_control budget = {.budget_bytes = 1000}, late = {.deadline_ns = 1}, cancel = {.progress = never},
+    struct gd_control budget = {.budget_bytes = 1000}, late = {.deadline_ns = 1}, cancel = {.progress = test_cancel},
                       enough = {.budget_bytes = 16 * (size_t)POINTS + 1000};
     assert_int_equal(gd_field_distances(field, points, POINTS, &budget, out), GD_BUDGET);
     assert_int_equal(gd_field_distances(field, points, POINTS, &late, out), GD_DEADLINE);

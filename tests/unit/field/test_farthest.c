@@ -8,17 +8,10 @@
 #include "gd/locate.h"
 #include "tests/samples/samples.h"
 #include "tests/samples/zoo.h"
+#include "tests/support/field.h"
+#include "tests/support/watch.h"
 
 static const double promise = 1e-9;
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
-{
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
-}
 
 static struct gd_point point_at(const struct gd_mesh *mesh, double x, double y, double z)
 {
@@ -47,7 +40,7 @@ static void of_a_cube(void **state)
         check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct gd_seed seed = {.point = point_at(mesh, 0.5, 0.5, 1)};
-        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        struct gd_field *field = test_field(mesh, &seed, 1, 0);
         struct gd_point point;
         double distance;
         struct gd_vec3 at = farthest(field, &point, &distance);
@@ -69,7 +62,7 @@ static void of_the_box_1_1_2(void **state)
         check_ok(sample_box((double[3]){1, 1, 2}, (uint32_t[3]){cells, cells, cells}, &polygons), NULL);
         struct gd_mesh *mesh = test_mesh(&polygons);
         struct gd_seed seed = {.point = point_at(mesh, 0, 0, 0)};
-        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        struct gd_field *field = test_field(mesh, &seed, 1, 0);
         struct gd_point point;
         double distance;
         struct gd_vec3 at = farthest(field, &point, &distance);
@@ -91,7 +84,7 @@ static void of_a_square(void **state)
     struct gd_seed seeds[4] = {{.point = point_at(mesh, 0.3, 0.45, 0)}};
     struct gd_point point;
     double distance;
-    struct gd_field *field = field_of(mesh, seeds, 1, 0);
+    struct gd_field *field = test_field(mesh, seeds, 1, 0);
     struct gd_vec3 at = farthest(field, &point, &distance);
     assert_int_equal(point.kind, GD_POINT_VERTEX);
     check_close(distance, hypot(0.7, 0.55), 1e-14);
@@ -100,7 +93,7 @@ static void of_a_square(void **state)
 
     seeds[0].point = point_at(mesh, 0, 0.1, 0);
     seeds[1].point = point_at(mesh, 1, 0.1, 0);
-    field = field_of(mesh, seeds, 2, 0);
+    field = test_field(mesh, seeds, 2, 0);
     at = farthest(field, &point, &distance);
     assert_int_equal(point.kind, GD_POINT_EDGE);
     check_close(distance, hypot(0.5, 0.9), promise);
@@ -110,7 +103,7 @@ static void of_a_square(void **state)
     const double corner[4][2] = {{0, 0}, {1, 0.05}, {0.9, 1}, {0, 1}};
     for (int i = 0; i < 4; i++)
         seeds[i] = (struct gd_seed){.point = point_at(mesh, corner[i][0], corner[i][1], 0), .offset = 0.01 * i};
-    field = field_of(mesh, seeds, 4, 0);
+    field = test_field(mesh, seeds, 4, 0);
     at = farthest(field, &point, &distance);
     assert_int_equal(point.kind, GD_POINT_FACE);
     int nearest = 0;
@@ -142,7 +135,7 @@ static struct gd_field *field_of_boundaries(const struct gd_mesh *mesh, double m
         count += gd_curve_seed_count(&curve);
         gd_curve_free(&curve);
     }
-    struct gd_field *field = field_of(mesh, seeds, count, 0);
+    struct gd_field *field = test_field(mesh, seeds, count, 0);
     free(seeds);
     return field;
 }
@@ -222,7 +215,7 @@ static uint32_t put_border(const struct gd_mesh *mesh, struct gd_vec3 a, struct 
 static void check_place(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double distance,
                         struct gd_vec3 expected)
 {
-    struct gd_field *field = field_of(mesh, seeds, count, 0);
+    struct gd_field *field = test_field(mesh, seeds, count, 0);
     struct gd_point point;
     double most;
     struct gd_vec3 at = farthest(field, &point, &most);
@@ -346,7 +339,7 @@ static void of_a_pillow(void **state)
             seeds[i].point = test_point(mesh, place);
             in_chart(&shape, &place, chart[i]);
         }
-        struct gd_field *field = field_of(mesh, seeds, 2, 0);
+        struct gd_field *field = test_field(mesh, seeds, 2, 0);
         struct gd_point point;
         double distance;
         farthest(field, &point, &distance);
@@ -409,7 +402,7 @@ static void of_any_surface(void **state)
         for (int round = 0; round < 8; round++) {
             struct gd_seed seeds[3] = {0};
             for (int i = 0; i < 3; i++) seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
-            struct gd_field *field = field_of(mesh, seeds, round % 2 ? 3 : 1, 0);
+            struct gd_field *field = test_field(mesh, seeds, round % 2 ? 3 : 1, 0);
             check_farthest(field, &polygons, &rng, kinds);
             gd_field_release(field);
         }
@@ -445,12 +438,6 @@ static void of_boundaries_of_any_surface(void **state)
     assert_true(kinds[GD_POINT_FACE] > 0);
 }
 
-static bool never(void *user, double fraction)
-{
-    (void)user, (void)fraction;
-    return false;
-}
-
 static void what_is_left_out_and_refused(void **state)
 {
     (void)state;
@@ -460,12 +447,12 @@ static void what_is_left_out_and_refused(void **state)
     struct gd_mesh *mesh = test_mesh(&two);
     struct gd_seed seeds[2] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
                                {.point = test_point(mesh, (struct test_place){0, {0, 1, 0}})}};
-    struct gd_field *field = field_of(mesh, seeds, 1, 0), *partial = field_of(mesh, seeds, 1, 0.5),
-                    *pair = field_of(mesh, seeds, 2, 0);
+    struct gd_field *field = test_field(mesh, seeds, 1, 0), *partial = test_field(mesh, seeds, 1, 0.5),
+                    *pair = test_field(mesh, seeds, 2, 0);
     struct gd_point point = {.element = 7};
     double distance = 7;
     assert_int_equal(gd_field_farthest(partial, NULL, &point, &distance), GD_BEYOND_REACH);
-    struct gd_control cancel = {.progress = never};
+    struct gd_control cancel = {.progress = test_cancel};
     assert_int_equal(gd_field_farthest(pair, &cancel, &point, &distance), GD_CANCELLED);
     assert_true(distance == 7 && point.element == 7);
     check_ok(gd_field_farthest(field, NULL, &point, &distance), NULL);
@@ -473,6 +460,68 @@ static void what_is_left_out_and_refused(void **state)
     gd_field_release(field);
     gd_field_release(partial);
     gd_field_release(pair);
+    gd_mesh_release(mesh);
+}
+
+/* A partial field knows when it is not partial. */
+static void of_partial_fields(void **state)
+{
+    (void)state;
+    struct rng rng = {31};
+    uint32_t told = 0, refused = 0;
+    for (uint32_t n = 0; n < 60; n++) {
+        struct gd_polygons polygons;
+        check_ok(sample_tangle(60, 200 + n, &polygons), NULL);
+        struct gd_mesh *mesh = test_mesh(&polygons);
+        struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
+                                   {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.2}};
+        struct gd_field *whole = test_field(mesh, seeds, 2, 0), *part, *view;
+        struct gd_point point, again = {0};
+        double distance, same;
+        farthest(whole, &point, &distance);
+        for (int k = 0; k < 5; k++) {
+            double radius = distance * (0.01 + 0.99 * k) + (k == 4 ? gd_mesh_summary(mesh)->edge_length.max : 0);
+            part = test_field(mesh, seeds, 2, radius);
+            enum gd_status status = gd_field_farthest(part, NULL, &again, &same);
+            check_ok(gd_field_within(whole, radius, &view), NULL);
+            assert_int_equal(gd_field_farthest(view, NULL, &again, &same), status);
+            if (k == 0) assert_int_equal(status, GD_BEYOND_REACH);
+            if (k == 4) check_ok(status, NULL);
+            if (!status) check_close(same, distance, 1e-14);
+            told += !status;
+            refused += status == GD_BEYOND_REACH;
+            gd_field_release(part);
+            gd_field_release(view);
+        }
+        gd_field_release(whole);
+        gd_mesh_release(mesh);
+        gd_polygons_free(&polygons);
+    }
+    assert_int_equal(told + refused, 300);
+    assert_true(told > 100 && refused > 60);
+}
+
+/* A seed that has not begun where the field ends may have a component of its own. */
+static void of_late_seeds(void **state)
+{
+    (void)state;
+    double positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {50, 0, 0}, {60, 0, 0}, {50, 10, 0}};
+    uint32_t corners[6] = {0, 1, 2, 3, 4, 5};
+    struct gd_polygons two = {.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners};
+    static const struct test_place late[] = {{1, {1, 0, 0}}, {1, {0.5, 0.5, 0}}, {1, {0.2, 0.3, 0.5}}};
+    struct gd_mesh *mesh = test_mesh(&two);
+    for (size_t i = 0; i < sizeof late / sizeof *late; i++) {
+        struct gd_seed seeds[2] = {{.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})},
+                                   {.point = test_point(mesh, late[i]), .offset = 4}};
+        struct gd_field *both = test_field(mesh, seeds, 2, 3), *one = test_field(mesh, seeds, 1, 3);
+        struct gd_point point;
+        double distance;
+        assert_int_equal(gd_field_farthest(both, NULL, &point, &distance), GD_BEYOND_REACH);
+        check_ok(gd_field_farthest(one, NULL, &point, &distance), NULL);
+        assert_true(distance == 1);
+        gd_field_release(both);
+        gd_field_release(one);
+    }
     gd_mesh_release(mesh);
 }
 
@@ -488,6 +537,8 @@ int main(void)
         cmocka_unit_test(between_points_and_segments),
         cmocka_unit_test(of_boundaries_of_any_surface),
         cmocka_unit_test(of_any_surface),
+        cmocka_unit_test(of_partial_fields),
+        cmocka_unit_test(of_late_seeds),
         cmocka_unit_test(what_is_left_out_and_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

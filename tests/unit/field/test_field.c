@@ -6,24 +6,7 @@
 #include "field/layout.h"
 #include "gd/field.h"
 #include "tests/samples/samples.h"
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, struct gd_point source)
-{
-    struct gd_seed seed = {.point = source};
-    struct gd_field *field;
-    struct gd_detail detail = {0};
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
-    return field;
-}
-
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
-    return point;
-}
+#include "tests/support/field.h"
 
 /* Example 1 of the paper (Fig. 8) in the final stage: w1 on e3, one of an equidistant pair on e2. */
 static void example_1(void **state)
@@ -34,7 +17,7 @@ static void example_1(void **state)
     uint32_t corners[24] = {0, 1, 2, 1, 6, 2, 2, 6, 5, 0, 2, 3, 2, 4, 3, 2, 5, 4, 5, 6, 7, 4, 5, 7};
     struct gd_mesh *mesh = test_mesh(
         &(struct gd_polygons){.positions = positions, .position_count = 8, .polygon_count = 8, .corners = corners});
-    struct gd_field *field = field_of(mesh, vertex(mesh, 0));
+    struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 0));
     struct gd_wedge *wedges;
     uint32_t count, direct = 0;
     /* e3: every wedge of v0 is w1, whose source unfolds to (0.5, 1 + sqrt(1/2)) above v6v5: 1 down the cube, the pyramid's slant beyond */
@@ -168,7 +151,7 @@ static void check_wedges_of(const char *name, struct gd_polygons *polygons, uint
     uint64_t merged = 0, joints = 0;
     struct chunks sum = {0};
     for (int i = 0; i < 3; i++) {
-        struct gd_field *field = field_of(mesh, test_point(mesh, test_random_place(polygons, &rng)));
+        struct gd_field *field = test_field_from(mesh, test_point(mesh, test_random_place(polygons, &rng)));
         sum = check_chains(field);
         merged = joints = 0;
         for (uint32_t e = 0; e < mesh->edge_count; e++) check_merged(field, e, &rng, &merged, &joints);
@@ -204,7 +187,7 @@ static void correct_wedges_do_not_cross(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(24, 0.3, 7, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_field *field = field_of(mesh, vertex(mesh, 40));
+    struct gd_field *field = test_field_from(mesh, test_vertex(mesh, 40));
     struct rng rng = {9};
     uint32_t pairs = 0;
     for (int i = 0; i < 200000; i++) { /* two points of one face whose shortest paths enter it through the same edge */
@@ -261,7 +244,7 @@ static void sources_close_to_a_vertex_or_an_edge(void **state)
                        off[3] = {at[0] - delta, at[1] + split * delta, (1 - split) * delta};
                 check_ok(gd_point_in_face(mesh, (struct gd_face){face}, at, &base, NULL), NULL);
                 check_ok(gd_point_in_face(mesh, (struct gd_face){face}, off, &moved, NULL), NULL);
-                struct gd_field *a = field_of(mesh, base), *b = field_of(mesh, moved);
+                struct gd_field *a = test_field_from(mesh, base), *b = test_field_from(mesh, moved);
                 gd_field_vertex_distances(a, exact);
                 gd_field_vertex_distances(b, near);
                 for (uint32_t v = 0; v < count; v++) {
@@ -292,7 +275,7 @@ static void partial_fields_answer_only_what_is_final(void **state)
     for (int i = 0; i < 20; i++) {
         struct gd_point source = test_point(mesh, test_random_place(&polygons, &rng));
         struct gd_point target = test_point(mesh, test_random_place(&polygons, &rng));
-        struct gd_field *whole = field_of(mesh, source), *partial;
+        struct gd_field *whole = test_field_from(mesh, source), *partial;
         struct gd_seed seed = {.point = source};
         struct gd_field_request request = {
             .seeds = &seed, .seed_count = 1, .target = i % 2 ? &target : NULL, .radius = i % 2 ? 0 : 0.3};
@@ -339,7 +322,7 @@ static void budget_deadline_and_cancel(void **state)
     struct gd_polygons polygons;
     check_ok(sample_torus(60, 30, 2, 1, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = vertex(mesh, 0)};
+    struct gd_seed seed = {.point = test_vertex(mesh, 0)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     struct gd_field *field = NULL;
     struct gd_detail detail;
@@ -373,7 +356,7 @@ static void several_seeds(void **state)
     struct gd_field *single[SEEDS], *all;
     for (int i = 0; i < SEEDS; i++) {
         seeds[i] = (struct gd_seed){.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1 * i};
-        single[i] = field_of(mesh, seeds[i].point);
+        single[i] = test_field_from(mesh, seeds[i].point);
     }
     check_ok(
         gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = SEEDS}, NULL, NULL, &all, NULL),
@@ -413,7 +396,7 @@ static void an_executor_changes_nothing(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(64, 0.3, 7, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = vertex(mesh, 5)};
+    struct gd_seed seed = {.point = test_vertex(mesh, 5)};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
     uint32_t tasks = 0;
     struct gd_executor executor = {.width = 2, .run = backwards, .user = &tasks};
@@ -438,7 +421,7 @@ static void distances_only(void **state)
     uint32_t corners[6] = {0, 2, 3, 0, 3, 4};
     struct gd_mesh *mesh = test_mesh(
         &(struct gd_polygons){.positions = positions, .position_count = 5, .polygon_count = 2, .corners = corners});
-    struct gd_seed seed = {.point = vertex(mesh, 2), .offset = 0.5};
+    struct gd_seed seed = {.point = test_vertex(mesh, 2), .offset = 0.5};
     struct gd_field_request request = {.seeds = &seed, .seed_count = 1, .radius = 1.75};
     double out[5];
     check_ok(gd_field_distances_only(mesh, &request, NULL, out, NULL), NULL);
@@ -456,8 +439,8 @@ static void distances_only_are_the_fields(void **state)
     struct gd_polygons polygons;
     check_ok(sample_terrain(48, 0.3, 7, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_seed seed = {.point = vertex(mesh, 1111)};
-    struct gd_field *field = field_of(mesh, seed.point);
+    struct gd_seed seed = {.point = test_vertex(mesh, 1111)};
+    struct gd_field *field = test_field_from(mesh, seed.point);
     uint32_t count = gd_mesh_summary(mesh)->index_count;
     double *kept = malloc(sizeof *kept * count), *only = malloc(sizeof *only * count);
     gd_field_vertex_distances(field, kept);

@@ -4,24 +4,9 @@
 
 #include "gd/field.h"
 #include "tests/samples/samples.h"
+#include "tests/support/field.h"
 
 enum { POINTS = 400 };
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
-{
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
-}
-
-static double distance_at(const struct gd_field *field, const struct gd_point *point)
-{
-    double distance;
-    check_ok(gd_field_distance(field, point, &distance), NULL);
-    return distance;
-}
 
 static struct gd_vec3 unit_between(struct gd_vec3 from, struct gd_vec3 to)
 {
@@ -40,7 +25,7 @@ static void in_the_plane(void **state)
     double worst = 0;
     for (int s = 0; s < 12; s++) {
         struct gd_seed seed = {.point = test_point(mesh, test_random_place(&polygons, &rng))};
-        struct gd_field *field = field_of(mesh, &seed, 1, 0);
+        struct gd_field *field = test_field(mesh, &seed, 1, 0);
         for (int k = 0; k < POINTS; k++) {
             struct gd_point point = test_point(mesh, test_random_place(&polygons, &rng));
             if (gd_point_equal(&point, &seed.point)) continue;
@@ -73,7 +58,7 @@ static void the_path_leaves_against_it(void **state)
         struct rng rng = {s};
         struct gd_seed seeds[2] = {{.point = test_point(mesh, test_random_place(&polygons, &rng))},
                                    {.point = test_point(mesh, test_random_place(&polygons, &rng)), .offset = 0.1}};
-        struct gd_field *field = field_of(mesh, seeds, 2, 0);
+        struct gd_field *field = test_field(mesh, seeds, 2, 0);
         double worst = 0;
         uint32_t asked = 0;
         for (int k = 0; k < POINTS; k++) {
@@ -82,7 +67,7 @@ static void the_path_leaves_against_it(void **state)
             struct gd_path path;
             enum gd_status status = gd_field_gradient(field, &point, &gradient);
             if (status) { /* the seed itself, or another component */
-                assert_int_equal(status, isinf(distance_at(field, &point)) ? GD_NOT_ON_SURFACE : GD_INVALID_ARGUMENT);
+                assert_int_equal(status, isinf(test_distance(field, &point)) ? GD_NOT_ON_SURFACE : GD_INVALID_ARGUMENT);
                 continue;
             }
             check_ok(gd_field_path(field, &point, &path), NULL);
@@ -114,7 +99,7 @@ static void where_there_is_none(void **state)
                     apart = test_point(mesh, (struct test_place){1, {0.2, 0.3, 0.5}});
     for (int i = 0; i < 3; i++) {
         struct gd_seed seed = {.point = test_point(mesh, places[i])};
-        struct gd_field *whole = field_of(mesh, &seed, 1, 0), *partial = field_of(mesh, &seed, 1, 0.25);
+        struct gd_field *whole = test_field(mesh, &seed, 1, 0), *partial = test_field(mesh, &seed, 1, 0.25);
         struct gd_vec3 gradient = {7, 7, 7};
         assert_int_equal(gd_field_gradient(whole, &seed.point, &gradient), GD_INVALID_ARGUMENT);
         assert_int_equal(gd_field_gradient(whole, &apart, &gradient), GD_NOT_ON_SURFACE);

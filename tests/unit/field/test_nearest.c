@@ -4,17 +4,9 @@
 
 #include "gd/field.h"
 #include "tests/samples/samples.h"
+#include "tests/support/field.h"
 
 enum { SEEDS = 6, POINTS = 400 };
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
-{
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
-}
 
 /* On each surface the seed's own field says the same distance, and no other seed's says less; the path ends there. */
 static void the_nearest_seed_gives_the_distance(void **state)
@@ -35,9 +27,9 @@ static void the_nearest_seed_gives_the_distance(void **state)
         for (int i = 0; i < SEEDS; i++) {
             seeds[i].point = test_point(mesh, test_random_place(&polygons, &rng));
             seeds[i].offset = i % 2 ? 0.02 * i : 0;
-            alone[i] = field_of(mesh, &seeds[i], 1, 0);
+            alone[i] = test_field(mesh, &seeds[i], 1, 0);
         }
-        struct gd_field *field = field_of(mesh, seeds, SEEDS, 0);
+        struct gd_field *field = test_field(mesh, seeds, SEEDS, 0);
         assert_int_equal(gd_field_seed_count(field), SEEDS);
         uint32_t other_end = 0;
         for (int k = 0; k < POINTS; k++) {
@@ -77,7 +69,7 @@ static void a_seed_is_nearest_to_itself(void **state)
                                {.point = test_point(mesh, (struct test_place){5, {0.3, 0.7, 0}})},
                                {.point = test_point(mesh, (struct test_place){9, {0.2, 0.3, 0.5}})},
                                {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}}), .offset = 0.5}};
-    struct gd_field *field = field_of(mesh, seeds, 4, 0);
+    struct gd_field *field = test_field(mesh, seeds, 4, 0);
     for (uint32_t i = 0; i < 3; i++) {
         double distance;
         uint32_t nearest;
@@ -100,7 +92,7 @@ static void no_path_and_beyond_reach(void **state)
     struct gd_seed seed = {.point = test_point(mesh, (struct test_place){0, {1, 0, 0}})};
     struct gd_point far = test_point(mesh, (struct test_place){0, {0, 1, 0}}),
                     apart = test_point(mesh, (struct test_place){1, {0.2, 0.3, 0.5}});
-    struct gd_field *whole = field_of(mesh, &seed, 1, 0), *partial = field_of(mesh, &seed, 1, 0.25);
+    struct gd_field *whole = test_field(mesh, &seed, 1, 0), *partial = test_field(mesh, &seed, 1, 0.25);
     double distance = 7;
     assert_int_equal(gd_field_nearest(partial, &far, &distance, &nearest), GD_BEYOND_REACH);
     assert_true(distance == 7 && nearest == 7);

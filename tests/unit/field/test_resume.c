@@ -8,6 +8,7 @@
 #include "field/layout.h"
 #include "gd/workspace.h"
 #include "tests/samples/samples.h"
+#include "tests/support/watch.h"
 
 enum { SEEDS = 5 }; /* two points, and a segment with its ends */
 
@@ -273,30 +274,17 @@ static void a_workspace_is_used_again(void **state)
 
 /* --- control ------------------------------------------------------------------------------------------------------------- */
 
-struct watch {
-    int calls, most;
-    double last;
-};
-
-static bool on_progress(void *user, double fraction)
-{
-    struct watch *watch = user;
-    assert_true(fraction >= watch->last && fraction <= 1);
-    watch->last = fraction;
-    return ++watch->calls < watch->most;
-}
-
 static void progress_grows_and_cancels(void **state)
 {
     (void)state;
-    struct watch watch = {.most = INT32_MAX};
-    struct gd_control control = {.progress = on_progress, .user = &watch};
+    struct test_watch watch = {0};
+    struct gd_control control = {.progress = test_watch, .user = &watch};
     gd_field_release(resume(partial, 0, &control));
     int all = watch.calls;
     assert_true(all > 3 && watch.last > 0.3);
     for (int most = 1; most <= all; most++) {
         struct gd_field *none = NULL;
-        watch = (struct watch){.most = most};
+        watch = (struct test_watch){.most = most};
         assert_int_equal(gd_field_resume(partial, 0, &control, NULL, &none, NULL), GD_CANCELLED);
         assert_null(none);
     }

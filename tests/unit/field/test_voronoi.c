@@ -3,8 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "gd/locate.h"
 #include "tests/samples/samples.h"
+#include "tests/support/field.h"
+#include "tests/support/watch.h"
 
 static const double promise = 1e-9;
 
@@ -27,14 +28,6 @@ static void free_diagram(struct diagram *diagram, struct member_set *set)
 
 /* --- closed forms ----------------------------------------------------------------------------------------------------------- */
 
-static struct gd_point point_near(const struct gd_mesh *mesh, double x, double y, double z)
-{
-    struct gd_point point;
-    double moved;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, z}, -1, &point, &moved, NULL), NULL);
-    return point;
-}
-
 static struct gd_mesh *square(uint32_t cells)
 {
     struct gd_polygons polygons;
@@ -55,8 +48,8 @@ static void two_points_in_the_plane(void **state)
         struct gd_mesh *mesh = square(cells);
         for (size_t s = 0; s < sizeof places / sizeof *places; s++) {
             const double *p = places[s];
-            struct gd_seed seeds[2] = {{.point = point_near(mesh, p[0], p[1], 0)},
-                                       {.point = point_near(mesh, p[2], p[3], 0)}};
+            struct gd_seed seeds[2] = {{.point = test_point_near(mesh, p[0], p[1], 0)},
+                                       {.point = test_point_near(mesh, p[2], p[3], 0)}};
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-3);
             check_diagram(&diagram);
@@ -87,14 +80,14 @@ static void three_points_in_the_plane(void **state)
         struct gd_mesh *mesh = square(cells);
         for (size_t s = 0; s < sizeof places / sizeof *places; s++) {
             const double *p = places[s];
-            struct gd_seed seeds[3] = {{.point = point_near(mesh, p[0], p[1], 0)},
-                                       {.point = point_near(mesh, p[2], p[3], 0)},
-                                       {.point = point_near(mesh, p[4], p[5], 0)}};
+            struct gd_seed seeds[3] = {{.point = test_point_near(mesh, p[0], p[1], 0)},
+                                       {.point = test_point_near(mesh, p[2], p[3], 0)},
+                                       {.point = test_point_near(mesh, p[4], p[5], 0)}};
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 3, 1e-3);
             check_diagram(&diagram);
             assert_int_equal(diagram.voronoi.bisector_count, 3);
-            struct gd_point centre = point_near(mesh, p[6], p[7], 0);
+            struct gd_point centre = test_point_near(mesh, p[6], p[7], 0);
             assert_int_equal(diagram_ends_at(&diagram, &centre), 3);
             free_diagram(&diagram, &set);
         }
@@ -110,10 +103,10 @@ static void four_corners_meet_in_the_middle(void **state)
         struct gd_mesh *mesh = square(cells);
         for (int inset = 0; inset < 2; inset++) {
             double low = 0.25 * inset, high = 1 - low;
-            struct gd_seed seeds[4] = {{.point = point_near(mesh, low, low, 0)},
-                                       {.point = point_near(mesh, high, low, 0)},
-                                       {.point = point_near(mesh, high, high, 0)},
-                                       {.point = point_near(mesh, low, high, 0)}};
+            struct gd_seed seeds[4] = {{.point = test_point_near(mesh, low, low, 0)},
+                                       {.point = test_point_near(mesh, high, low, 0)},
+                                       {.point = test_point_near(mesh, high, high, 0)},
+                                       {.point = test_point_near(mesh, low, high, 0)}};
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 4, 1e-3);
             check_diagram(&diagram);
@@ -132,8 +125,8 @@ static void offsets_bend_the_bisector(void **state)
         struct gd_mesh *mesh = square(cells);
         for (int step = 0; step < 6; step++) {
             double offset = 0.11 * step;
-            struct gd_seed seeds[2] = {{.point = point_near(mesh, 0.25, 0.5, 0), .offset = 0},
-                                       {.point = point_near(mesh, 0.75, 0.5, 0), .offset = offset}};
+            struct gd_seed seeds[2] = {{.point = test_point_near(mesh, 0.25, 0.5, 0), .offset = 0},
+                                       {.point = test_point_near(mesh, 0.75, 0.5, 0), .offset = offset}};
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-5);
             if (offset < 0.5) check_diagram(&diagram);
@@ -146,12 +139,6 @@ static void offsets_bend_the_bisector(void **state)
         }
         gd_mesh_release(mesh);
     }
-}
-
-static struct gd_mesh *mesh_of(const char *name, const double *values, struct gd_polygons *polygons)
-{
-    check_ok(sample_find(name)->generate(values, polygons), NULL);
-    return test_mesh(polygons);
 }
 
 /* Opposite points of a closed surface that is symmetric about the plane between them: the bisector lies in that plane. */
@@ -171,10 +158,10 @@ static void opposite_points_of_symmetric_surfaces(void **state)
     };
     for (size_t s = 0; s < sizeof cases / sizeof *cases; s++) {
         struct gd_polygons polygons;
-        struct gd_mesh *mesh = mesh_of(cases[s].name, cases[s].values, &polygons);
+        struct gd_mesh *mesh = test_sample(cases[s].name, cases[s].values, &polygons);
         const double *p = cases[s].seeds, *n = cases[s].normal;
-        struct gd_seed seeds[2] = {{.point = point_near(mesh, p[0], p[1], p[2])},
-                                   {.point = point_near(mesh, p[3], p[4], p[5])}};
+        struct gd_seed seeds[2] = {{.point = test_point_near(mesh, p[0], p[1], p[2])},
+                                   {.point = test_point_near(mesh, p[3], p[4], p[5])}};
         struct member_set set;
         struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, 2, 1e-3);
         check_diagram(&diagram);
@@ -208,7 +195,7 @@ static void random_members_on_many_surfaces(void **state)
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         for (uint64_t trial = 0; trial < 6; trial++) {
             struct gd_polygons polygons;
-            struct gd_mesh *mesh = mesh_of(surfaces[s].name, surfaces[s].values, &polygons);
+            struct gd_mesh *mesh = test_sample(surfaces[s].name, surfaces[s].values, &polygons);
             struct rng rng = {s + 100 * trial};
             uint32_t count = 2 + rng_below(&rng, SEEDS_MOST - 1);
             struct gd_seed seeds[SEEDS_MOST] = {0};
@@ -234,7 +221,7 @@ static void members_that_own_nothing(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = square(4);
-    struct gd_point left = point_near(mesh, 0.2, 0.4, 0), right = point_near(mesh, 0.8, 0.4, 0);
+    struct gd_point left = test_point_near(mesh, 0.2, 0.4, 0), right = test_point_near(mesh, 0.8, 0.4, 0);
     struct gd_seed seeds[5] = {
         {.point = left, .offset = 0.1}, {.point = left}, {.point = left}, {.point = right}, {.point = right}};
     struct member_set set;
@@ -256,13 +243,13 @@ static void ties_behind_a_saddle(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    struct gd_mesh *mesh = mesh_of("saddle", (const double[SAMPLE_PARAMETERS]){1, 0.6, 6, 6}, &polygons);
+    struct gd_mesh *mesh = test_sample("saddle", (const double[SAMPLE_PARAMETERS]){1, 0.6, 6, 6}, &polygons);
     for (uint32_t other = 1; other < 6; other++) {
         struct gd_seed seeds[3] = {0};
         double angle = other * M_PI / 3;
-        seeds[0].point = point_near(mesh, 0.5, 0, 0.3);
-        seeds[1].point = point_near(mesh, 0.5 * cos(angle), 0.5 * sin(angle), other % 2 ? -0.3 : 0.3);
-        seeds[2].point = point_near(mesh, -0.3, -0.7, 0);
+        seeds[0].point = test_point_near(mesh, 0.5, 0, 0.3);
+        seeds[1].point = test_point_near(mesh, 0.5 * cos(angle), 0.5 * sin(angle), other % 2 ? -0.3 : 0.3);
+        seeds[2].point = test_point_near(mesh, -0.3, -0.7, 0);
         for (uint32_t count = 2; count <= 3; count++) {
             struct member_set set;
             struct diagram diagram = diagram_of_seeds(mesh, &set, seeds, count, 1e-3);
@@ -275,52 +262,30 @@ static void ties_behind_a_saddle(void **state)
     gd_polygons_free(&polygons);
 }
 
-static struct gd_field *field_of(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
-{
-    struct gd_field *field = NULL;
-    struct gd_detail detail = {0};
-    struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, &detail), &detail);
-    return field;
-}
-
-struct watch {
-    double last;
-    uint32_t reports, patience;
-};
-
-static bool watch_progress(void *user, double fraction)
-{
-    struct watch *watch = user;
-    assert_true(fraction >= watch->last && fraction <= 1);
-    watch->last = fraction;
-    return ++watch->reports < watch->patience;
-}
-
 static void what_is_refused(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    struct gd_mesh *mesh = mesh_of("terrain", (const double[SAMPLE_PARAMETERS]){40, 0.5, 1}, &polygons);
-    struct gd_seed seeds[3] = {{.point = point_near(mesh, 0.1, 0.1, 0)},
-                               {.point = point_near(mesh, 0.9, 0.2, 0), .offset = 0.05},
-                               {.point = point_near(mesh, 0.5, 0.9, 0)}};
-    struct gd_field *field = field_of(mesh, seeds, 3, 0), *partial = field_of(mesh, seeds, 3, 0.1);
+    struct gd_mesh *mesh = test_sample("terrain", (const double[SAMPLE_PARAMETERS]){40, 0.5, 1}, &polygons);
+    struct gd_seed seeds[3] = {{.point = test_point_near(mesh, 0.1, 0.1, 0)},
+                               {.point = test_point_near(mesh, 0.9, 0.2, 0), .offset = 0.05},
+                               {.point = test_point_near(mesh, 0.5, 0.9, 0)}};
+    struct gd_field *field = test_field(mesh, seeds, 3, 0), *partial = test_field(mesh, seeds, 3, 0.1);
     struct gd_voronoi voronoi = {.bisector_count = 77};
     assert_int_equal(gd_voronoi_trace(field, NULL, 0, NULL, &voronoi), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_voronoi_trace(field, NULL, NAN, NULL, &voronoi), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_voronoi_trace(partial, NULL, 1, NULL, &voronoi), GD_BEYOND_REACH);
-    struct watch watch = {.patience = 3};
-    struct gd_control control = {.progress = watch_progress, .user = &watch};
+    struct test_watch watch = {.most = 3};
+    struct gd_control control = {.progress = test_watch, .user = &watch};
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &control, &voronoi), GD_CANCELLED);
     struct gd_control poor = {.budget_bytes = 64};
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-3, &poor, &voronoi), GD_BUDGET);
-    watch = (struct watch){.patience = UINT32_MAX};
-    struct gd_control tight = {.budget_bytes = 4 << 20, .progress = watch_progress, .user = &watch};
+    watch = (struct test_watch){0};
+    struct gd_control tight = {.budget_bytes = 4 << 20, .progress = test_watch, .user = &watch};
     assert_int_equal(gd_voronoi_trace(field, NULL, 1e-15, &tight, &voronoi), GD_BUDGET); /* by its points */
     assert_true(watch.last >= 0.9);
     assert_int_equal(voronoi.bisector_count, 77);
-    watch = (struct watch){.patience = UINT32_MAX};
+    watch = (struct test_watch){0};
     check_ok(gd_voronoi_trace(field, NULL, 1e-3, &control, &voronoi), NULL);
     gd_voronoi_free(&voronoi);
     gd_voronoi_free(NULL);

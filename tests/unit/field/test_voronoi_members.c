@@ -5,10 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "gd/io.h"
-#include "gd/locate.h"
 #include "gd/voronoi.h"
 #include "tests/samples/samples.h"
+#include "tests/support/shared.h"
 
 static const double promise = 1e-9;
 static const double fine = 1e-6; /* tolerance of polylines, and what ties may add to their lengths */
@@ -19,21 +18,7 @@ static void free_diagram(struct diagram *diagram, struct member_set *set)
     member_set_free(set);
 }
 
-static struct gd_mesh *mesh_of(const char *name, const double *values, struct gd_polygons *polygons)
-{
-    check_ok(sample_find(name)->generate(values, polygons), NULL);
-    return test_mesh(polygons);
-}
-
 /* --- closed forms in the plane ---------------------------------------------------------------------------------------------- */
-
-static struct gd_point point_near(const struct gd_mesh *mesh, double x, double y)
-{
-    struct gd_point point;
-    double moved;
-    check_ok(gd_locate_nearest(mesh, (struct gd_vec3){x, y, 0}, -1, &point, &moved, NULL), NULL);
-    return point;
-}
 
 static struct gd_mesh *square(uint32_t cells, double size)
 {
@@ -51,8 +36,8 @@ struct way {
 
 static void put_way(struct member_set *set, const struct gd_mesh *mesh, struct way way, double size)
 {
-    member_set_put_path(set, mesh, point_near(mesh, way.x0 * size, way.y0 * size),
-                        point_near(mesh, way.x1 * size, way.y1 * size));
+    member_set_put_path(set, mesh, test_point_near(mesh, way.x0 * size, way.y0 * size, 0),
+                        test_point_near(mesh, way.x1 * size, way.y1 * size, 0));
 }
 
 static double distance_to(struct way way, double x, double y)
@@ -80,7 +65,7 @@ static void check_ways(const struct diagram *diagram, const struct way *ways, do
 static void put_member(struct member_set *set, const struct gd_mesh *mesh, struct way way, double size)
 {
     if (way.x0 == way.x1 && way.y0 == way.y1)
-        member_set_put_point(set, point_near(mesh, way.x0 * size, way.y0 * size), 0);
+        member_set_put_point(set, test_point_near(mesh, way.x0 * size, way.y0 * size, 0), 0);
     else
         put_way(set, mesh, way, size);
 }
@@ -162,11 +147,11 @@ static void sides_of_polygons(void **state)
         struct gd_mesh *mesh = square(cells, 1);
         struct member_set set;
         struct diagram diagram = check_plane(mesh, &set, triangle, 3, 1);
-        struct gd_point centre = point_near(mesh, 0.3, 0.4);
+        struct gd_point centre = test_point_near(mesh, 0.3, 0.4, 0);
         assert_int_equal(diagram_ends_at(&diagram, &centre), 3);
         free_diagram(&diagram, &set);
         diagram = check_plane(mesh, &set, sides, 4, 1);
-        centre = point_near(mesh, 0.5, 0.5);
+        centre = test_point_near(mesh, 0.5, 0.5, 0);
         assert_true(diagram_ends_at(&diagram, &centre) >= 4);
         check_close(diagram_length(&diagram), 2 * M_SQRT2, fine);
         free_diagram(&diagram, &set);
@@ -186,7 +171,7 @@ static void a_boundary_and_a_point(void **state)
             put_way(&set, mesh, sides[i], 1);
             if (i) member_set_join(&set);
         }
-        member_set_put_point(&set, point_near(mesh, 0.5, 0.5), 0);
+        member_set_put_point(&set, test_point_near(mesh, 0.5, 0.5, 0), 0);
         struct diagram diagram = diagram_of(mesh, &set, fine);
         check_diagram(&diagram);
         assert_int_equal(diagram.voronoi.bisector_count, 1);
@@ -204,9 +189,9 @@ static void members_by_seed(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = square(5, 1);
-    struct gd_seed seeds[3] = {{.point = point_near(mesh, 0.2, 0.5)},
-                               {.point = point_near(mesh, 0.8, 0.5)},
-                               {.point = point_near(mesh, 0.5, 0.9)}};
+    struct gd_seed seeds[3] = {{.point = test_point_near(mesh, 0.2, 0.5, 0)},
+                               {.point = test_point_near(mesh, 0.8, 0.5, 0)},
+                               {.point = test_point_near(mesh, 0.5, 0.9, 0)}};
     struct gd_field *field;
     check_ok(
         gd_field_build(mesh, &(struct gd_field_request){.seeds = seeds, .seed_count = 3}, NULL, NULL, &field, NULL),
@@ -307,7 +292,7 @@ static void random_members_on_many_surfaces(void **state)
     uint32_t bisectors = 0;
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
         struct gd_polygons polygons;
-        struct gd_mesh *mesh = mesh_of(surfaces[s].name, surfaces[s].values, &polygons);
+        struct gd_mesh *mesh = test_sample(surfaces[s].name, surfaces[s].values, &polygons);
         for (uint64_t trial = 0; trial < 12; trial++)
             bisectors += check_random_members(mesh, &polygons, s + 100 * trial);
         gd_mesh_release(mesh);
@@ -316,29 +301,12 @@ static void random_members_on_many_surfaces(void **state)
     assert_true(bisectors > 400);
 }
 
-static struct gd_polygons read_shared(const char *name)
-{
-    char path[256];
-    size_t size;
-    struct gd_polygons polygons = {0};
-    snprintf(path, sizeof path, "%s/meshes/%s.obj",
-             getenv("GEODESICD_SHARED") ? getenv("GEODESICD_SHARED") : "../shared", name);
-    char *bytes = test_read_file(path, &size);
-    if (!bytes) {
-        print_message("# skipped: there is no %s\n", path);
-        skip();
-    }
-    check_ok(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), NULL);
-    free(bytes);
-    return polygons;
-}
-
 static void random_members_on_shared_meshes(void **state)
 {
     (void)state;
     static const char *const names[] = {"spot", "fandisk"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        struct gd_polygons polygons = read_shared(names[n]);
+        struct gd_polygons polygons = test_shared_polygons(names[n]);
         struct gd_mesh *mesh = test_mesh(&polygons);
         assert_true(check_random_members(mesh, &polygons, 2 * n) > 0);
         gd_mesh_release(mesh);

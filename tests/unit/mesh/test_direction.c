@@ -3,15 +3,9 @@
 #include "gd/direction.h"
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
+#include "tests/support/test.h"
 
 static const double exact = 1e-14;
-
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), GD_OK);
-    return point;
-}
 
 static struct gd_point on_edge(const struct gd_mesh *mesh, uint32_t a, uint32_t b)
 {
@@ -93,13 +87,13 @@ static void in_the_plane(void **state)
         {in_face(mesh, 3), M_PI_2, 0, 2 * M_PI},    /* 0 -> 3, turned over */
         {on_edge(mesh, 4, 0), M_PI_4, 0, 2 * M_PI}, /* 0 -> 4 */
         {on_edge(mesh, 2, 4), -3 * M_PI_4, 0, 2 * M_PI},
-        {on_edge(mesh, 0, 1), 0, 0, M_PI},             /* the surface to the left */
-        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI}, /* to the right of 0 -> 3 */
-        {vertex(mesh, 4), -3 * M_PI_4, 0, 2 * M_PI},   /* 4 -> 0 */
-        {vertex(mesh, 0), 0, 0, M_PI_2},
-        {vertex(mesh, 1), M_PI_2, 0, M_PI_2},
-        {vertex(mesh, 2), M_PI, 0, M_PI_2},
-        {vertex(mesh, 3), -M_PI_2, 0, M_PI_2},
+        {on_edge(mesh, 0, 1), 0, 0, M_PI},                /* the surface to the left */
+        {on_edge(mesh, 3, 0), M_PI_2, M_PI, 2 * M_PI},    /* to the right of 0 -> 3 */
+        {test_vertex(mesh, 4), -3 * M_PI_4, 0, 2 * M_PI}, /* 4 -> 0 */
+        {test_vertex(mesh, 0), 0, 0, M_PI_2},
+        {test_vertex(mesh, 1), M_PI_2, 0, M_PI_2},
+        {test_vertex(mesh, 2), M_PI, 0, M_PI_2},
+        {test_vertex(mesh, 3), -M_PI_2, 0, M_PI_2},
     };
     for (uint32_t i = 0; i < COUNT(places); i++) {
         for (int k = 0; k <= 24; k++) {
@@ -117,7 +111,7 @@ static void what_leads_off_the_surface(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
-    const struct gd_point points[] = {on_edge(mesh, 0, 1), vertex(mesh, 0), on_edge(mesh, 0, 3)};
+    const struct gd_point points[] = {on_edge(mesh, 0, 1), test_vertex(mesh, 0), on_edge(mesh, 0, 3)};
     const double angles[] = {-0.1, -0.1, 0.1}, rounded[] = {M_PI + 1e-10, M_PI_2 + 1e-10, 1e-10},
                  ends[] = {M_PI, M_PI_2, 0};
     const struct gd_vec3 vectors[] = {{0, -1, 0}, {1, -0.5, 0}, {-1, 0, 0}};
@@ -137,7 +131,8 @@ static void what_is_no_direction(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
-    const struct gd_point points[] = {in_face(mesh, 0), on_edge(mesh, 0, 4), vertex(mesh, 4), vertex(mesh, 0)};
+    const struct gd_point points[] = {in_face(mesh, 0), on_edge(mesh, 0, 4), test_vertex(mesh, 4),
+                                      test_vertex(mesh, 0)};
     const struct gd_vec3 vectors[] = {{0, 0, 0}, {0, 0, 1}, {0, 0, -1e300}, {NAN, 0, 0}, {INFINITY, 1, 0}};
     for (uint32_t i = 0; i < COUNT(points); i++) {
         struct gd_direction direction = {.angle = 7};
@@ -156,7 +151,7 @@ static void whole_turns_do_not_count(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_square();
-    const struct gd_point points[] = {in_face(mesh, 3), on_edge(mesh, 1, 4), on_edge(mesh, 0, 1), vertex(mesh, 4)};
+    const struct gd_point points[] = {in_face(mesh, 3), on_edge(mesh, 1, 4), on_edge(mesh, 0, 1), test_vertex(mesh, 4)};
     for (uint32_t i = 0; i < COUNT(points); i++) {
         struct gd_direction once = at(mesh, points[i], 1);
         assert_true(once.angle == 1);
@@ -183,7 +178,7 @@ static void at_the_corner_of_a_cube(void **state)
     (void)state;
     struct gd_polygons polygons = cube();
     struct gd_mesh *mesh = build(&polygons);
-    struct gd_point corner = vertex(mesh, 0);
+    struct gd_point corner = test_vertex(mesh, 0);
     const double third = 2 * M_PI / 3, half = sqrt(0.5);
     expect_both(mesh, corner, 0, 1, 0, 0);
     expect_both(mesh, corner, third, 0, 0, 1);
@@ -234,7 +229,7 @@ static void on_a_cone(void **state)
     assert_int_equal(sample_cone(1, 2, SECTORS, 3, &polygons), GD_OK);
     struct gd_mesh *mesh = build(&polygons);
     uint32_t last = polygons.position_count - 1, lowest = UINT32_MAX;
-    struct gd_point apex = vertex(mesh, last);
+    struct gd_point apex = test_vertex(mesh, last);
     struct gd_vec3 tip = gd_mesh_position(mesh, (struct gd_vertex){last});
     for (uint32_t f = 0; f < polygons.polygon_count; f++)
         for (int k = 0; k < 3; k++)
@@ -269,7 +264,7 @@ static void straight_on_at_a_boundary_vertex(void **state)
     uint32_t corners[] = {0, 1, 2, 0, 2, 3, 0, 3, 4};
     struct gd_polygons polygons = TRIANGLES(positions, corners);
     struct gd_mesh *mesh = build(&polygons);
-    struct gd_point corner = vertex(mesh, 0);
+    struct gd_point corner = test_vertex(mesh, 0);
     expect_both(mesh, corner, 0, 1, 0, 0);
     expect_both(mesh, corner, 1.5 * M_PI, 0, -1, 0);
     expect_both(mesh, corner, 1.25 * M_PI, -sqrt(0.5), -sqrt(0.5), 0);
@@ -326,7 +321,7 @@ static void there_and_back(void **state)
             const uint32_t *c = &polygons.corners[3 * f];
             worst = fmax(worst, check_round_trips(mesh, in_face(mesh, f), &rng));
             worst = fmax(worst, check_round_trips(mesh, on_edge(mesh, c[0], c[1]), &rng));
-            worst = fmax(worst, check_round_trips(mesh, vertex(mesh, c[2]), &rng));
+            worst = fmax(worst, check_round_trips(mesh, test_vertex(mesh, c[2]), &rng));
         }
         print_message("# %s: angles off by %.1e at most\n", surfaces[s].name, worst);
         assert_true(worst < 1e-12);

@@ -1,33 +1,10 @@
-/* Meshes that no one here made, where they are at hand: the folder named by GEODESICD_SHARED, or ../shared beside the
- * project. Skipped elsewhere. */
+/* Meshes that no one here made (tests/support/shared.h). */
 #include "shapes.h"
-
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include "base/tolerance.h"
 #include "gd/field.h"
-#include "gd/io.h"
+#include "tests/support/shared.h"
 #include "tests/support/test.h"
-
-static struct gd_polygons read_mesh(const char *name)
-{
-    const char *named = getenv("GEODESICD_SHARED"), *folder = named ? named : "../shared";
-    char path[4096];
-    struct stat status;
-    if (stat(folder, &status) != 0) {
-        print_message("# skipped: there is no folder %s\n", folder);
-        skip();
-    }
-    snprintf(path, sizeof path, "%s/meshes/%s.obj", folder, name);
-    size_t size = 0;
-    char *bytes = test_read_file(path, &size);
-    assert_non_null(bytes);
-    struct gd_polygons polygons = {0};
-    assert_int_equal(gd_read_polygons(bytes, size, GD_FORMAT_ANY, NULL, &polygons, NULL), GD_OK);
-    free(bytes);
-    return polygons;
-}
 
 /* Every vertex of the component of the first face is reached from there. */
 static void check_field(const struct gd_mesh *mesh)
@@ -62,7 +39,7 @@ static void every_shared_mesh_is_answered(void **state)
         {"homer", 0, 0, 0, 1},     {"rocker-arm", 0, 0, 0, 1},
     };
     for (size_t i = 0; i < COUNT(meshes); i++) {
-        struct gd_polygons polygons = read_mesh(meshes[i].name);
+        struct gd_polygons polygons = test_shared_polygons(meshes[i].name);
         struct gd_mesh *mesh = mend(&polygons);
         const struct gd_mesh_repair *repair = gd_mesh_repair(mesh);
         assert_int_equal(repair->edges_split.count, meshes[i].edges_split);
@@ -86,7 +63,7 @@ static void a_repaired_mesh_needs_no_repair(void **state)
     (void)state;
     static const char *const names[] = {"teapot", "cow", "beetle"};
     for (size_t i = 0; i < COUNT(names); i++) {
-        struct gd_polygons polygons = read_mesh(names[i]), again = {0};
+        struct gd_polygons polygons = test_shared_polygons(names[i]), again = {0};
         struct gd_mesh *mended = mend(&polygons);
         assert_int_equal(gd_mesh_polygons(mended, &again), GD_OK);
         struct gd_mesh *plain = build(&again);

@@ -7,9 +7,9 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "gd/parametric.h"
+#include "gd/domain_curve.h"
 
-static const double shooting_tolerance = 1e-13; /* of a step, relative to the domain */
+static const double shooting_tolerance = 1e-15; /* of a step, relative to the domain */
 
 /* The jet at a place; a little outside of the domain, as rounding may lead, that of the border. */
 static inline void shooting_jet(const struct gd_parametric *surface, const double at[2], struct gd_jet *jet)
@@ -123,6 +123,89 @@ static inline double shooting_angle(const struct gd_parametric *surface, const d
     double e = gd_vec3_dot(x.u, x.u), f = gd_vec3_dot(x.u, x.v);
     struct gd_vec3 e2 = gd_vec3_along(x.v, -f / e, x.u);
     return atan2(gd_vec3_dot(t, e2) / gd_vec3_length(e2), gd_vec3_dot(t, x.u) / sqrt(e));
+}
+
+/* --- between two curves ------------------------------------------------------------------------------------------- */
+
+/* A path from curve to curve: parameters of its ends, its length, the side on which it leaves the first curve. */
+struct shot {
+    double s, t, length, side;
+};
+
+/* Place and derivative of a curve; the derivative by differences, as an angle that is off by e changes the length by its square. */
+static inline void shooting_curve(const struct gd_domain_curve *curve, double s, double at[2], double first[2])
+{
+    double low, high, before[2], after[2];
+    gd_domain_curve_range(curve, &low, &high);
+    double h = 1e-6 * (high - low);
+    gd_domain_curve_at(curve, s, at);
+    gd_domain_curve_at(curve, s - h, before);
+    gd_domain_curve_at(curve, s + h, after);
+    for (int k = 0; k < 2; k++) first[k] = (after[k] - before[k]) / (2 * h);
+}
+
+/* The side of a curve on which a place lies that is near its place at `s`: 1 to the left of its direction, about the surface's normal, or -1. */
+static inline double shooting_side(const struct gd_domain_curve *curve, double s, const double place[2])
+{
+    const struct gd_parametric *surface = gd_domain_curve_surface(curve);
+    double at[2], along[2];
+    shooting_curve(curve, s, at, along);
+    double ahead[2] = {at[0] + along[0], at[1] + along[1]};
+    double turn = shooting_angle(surface, at, place) - shooting_angle(surface, at, ahead);
+    return sin(turn) > 0 ? 1 : -1;
+}
+
+/* What has to vanish: how far the geodesic that leaves `from` at a right angle misses `to` in u and v, and the cosine of the angle there. `*over`: by how much
+ * it goes too far. */
+static inline void shooting_miss(const struct gd_domain_curve *from, const struct gd_domain_curve *to,
+                                 const double x[3], double side, double out[3], double *over)
+{
+    const struct gd_parametric *surface = gd_domain_curve_surface(from);
+    double begin[2], along[2], end[2], velocity[2], goal[2], across[2];
+    shooting_curve(from, x[0], begin, along);
+    double ahead[2] = {begin[0] + along[0], begin[1] + along[1]};
+    shoot(surface, begin, shooting_angle(surface, begin, ahead) + side * M_PI_2, x[1], end, velocity);
+    shooting_curve(to, x[2], goal, across);
+    struct gd_jet jet;
+    shooting_jet(surface, end, &jet);
+    struct gd_vec3 tangent = gd_vec3_along(gd_vec3_scale(jet.u, velocity[0]), velocity[1], jet.v);
+    struct gd_vec3 edge = gd_vec3_along(gd_vec3_scale(jet.u, across[0]), across[1], jet.v);
+    for (int k = 0; k < 2; k++) out[k] = end[k] - goal[k];
+    out[2] = gd_vec3_dot(tangent, edge) / gd_vec3_length(edge);
+    *over = gd_vec3_dot(gd_vec3_along(gd_vec3_scale(jet.u, out[0]), out[1], jet.v), tangent);
+}
+
+/* Solves the 3 x 3 system by Cramer's rule, columns c. */
+static inline void shooting_solve(struct gd_vec3 c[3], struct gd_vec3 r, double out[3])
+{
+    double det = gd_vec3_dot(c[0], gd_vec3_cross(c[1], c[2]));
+    out[0] = gd_vec3_dot(r, gd_vec3_cross(c[1], c[2])) / det;
+    out[1] = gd_vec3_dot(c[0], gd_vec3_cross(r, c[2])) / det;
+    out[2] = gd_vec3_dot(c[0], gd_vec3_cross(c[1], r)) / det;
+}
+
+/* Newton's method on both parameters and the length: the geodesic at right angles to both curves near a first guess. False: it did not arrive. */
+static inline bool shoot_between(const struct gd_domain_curve *from, const struct gd_domain_curve *to,
+                                 struct shot *shot)
+{
+    double x[3] = {shot->s, shot->length, shot->t}, f[3], g[3], step[3], over, unused;
+    struct gd_vec3 columns[3];
+    for (int i = 0; i < 20; i++) {
+        shooting_miss(from, to, x, shot->side, f, &over);
+        if (fabs(f[0]) + fabs(f[1]) + fabs(f[2]) <= 1e-8) {
+            *shot = (struct shot){x[0], x[2], x[1] - over, shot->side}; /* what is left across counts by its square */
+            return true;
+        }
+        for (int k = 0; k < 3; k++) {
+            double y[3] = {x[0], x[1], x[2]}, h = 1e-6 * fmax(1, fabs(x[k]));
+            y[k] += h;
+            shooting_miss(from, to, y, shot->side, g, &unused);
+            columns[k] = (struct gd_vec3){(g[0] - f[0]) / h, (g[1] - f[1]) / h, (g[2] - f[2]) / h};
+        }
+        shooting_solve(columns, (struct gd_vec3){f[0], f[1], f[2]}, step);
+        for (int k = 0; k < 3; k++) x[k] -= step[k];
+    }
+    return false;
 }
 
 #endif

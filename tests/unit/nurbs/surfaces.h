@@ -209,7 +209,7 @@ static inline struct gd_domain_curve *loop_at(const struct gd_parametric *surfac
     for (int i = 0; i < COUNT + DEGREE + 1; i++) knots[i] = i - DEGREE;
     struct gd_domain_curve *curve;
     struct gd_detail detail = {0};
-    check_ok(gd_domain_curve_bspline(surface, DEGREE, knots, (const double(*)[2])points, COUNT, &curve, &detail),
+    check_ok(gd_domain_curve_bspline(surface, DEGREE, knots, (const double(*)[2])points, COUNT, NULL, &curve, &detail),
              &detail);
     return curve;
 }

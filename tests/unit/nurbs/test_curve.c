@@ -1,5 +1,7 @@
 #include "tests/unit/nurbs/surfaces.h"
 
+#include "nurbs/curve.h"
+
 static void iso_lines_and_loops_are_closed(void **state)
 {
     (void)state;
@@ -19,11 +21,42 @@ static void iso_lines_and_loops_are_closed(void **state)
     gd_domain_curve_release(loop);
     /* twice around the axis and once around the tube */
     const double ends[2][2] = {{0.1, 0.2}, {2.1, 1.2}};
-    check_ok(gd_domain_curve_polyline(ring, ends, 2, &line, NULL), NULL);
+    check_ok(gd_domain_curve_polyline(ring, ends, 2, NULL, &line, NULL), NULL);
     assert_true(gd_domain_curve_is_closed(line));
     gd_domain_curve_release(line);
     gd_parametric_release(ring);
     gd_parametric_release(flat);
+}
+
+/* One span over many lines of the surface: a break at each. */
+static void breaks_at_every_line(void **state)
+{
+    (void)state;
+    struct gd_parametric *surface = nurbs_bumps(60, 60, 0.3, 11); /* 56 lines in either direction */
+    const double ends[2][2] = {{0, 0.031}, {1, 0.957}};
+    struct gd_domain_curve *iso = iso_at(surface, GD_ISO_U, 0.3), *line;
+    check_ok(gd_domain_curve_polyline(surface, ends, 2, NULL, &line, NULL), NULL);
+    assert_int_equal(iso->break_count, 58);
+    for (int i = 0; i < 58; i++) assert_true(fabs(iso->breaks[i] - i / 57.0) < 1e-12);
+    assert_int_equal(line->break_count, 58 + 53); /* v from 0.031 to 0.957: lines 2 to 54 */
+    gd_domain_curve_release(iso);
+    gd_domain_curve_release(line);
+    gd_parametric_release(surface);
+}
+
+/* Along a border rounding leads beyond it: a vase of domain [0, 3] at v = 3. */
+static void a_border_is_in_the_domain(void **state)
+{
+    (void)state;
+    struct gd_parametric *surface = vase();
+    struct gd_domain_curve *rim = iso_at(surface, GD_ISO_V, 3);
+    for (int i = 0; i <= 1000; i++) {
+        double at[2];
+        gd_domain_curve_at(rim, 2 * M_PI * i / 1000, at);
+        assert_true(gd_parametric_contains(surface, at[0], at[1]) && fabs(at[1] - 3) < 1e-14);
+    }
+    gd_domain_curve_release(rim);
+    gd_parametric_release(surface);
 }
 
 static void wrong_curves_are_refused(void **state)
@@ -33,16 +66,19 @@ static void wrong_curves_are_refused(void **state)
     struct gd_domain_curve *curve = NULL;
     struct gd_detail detail;
     const double outside[2][2] = {{0, 0}, {2, 0}}, twice[2][2] = {{0, 0}, {0, 0}}, nowhere[2][2] = {{0, 0}, {NAN, 0}},
-                 good[2][2] = {{0, 0}, {1, 0}}, falling[4] = {0, 1, 0, 1}, empty[4] = {0, 1, 1, 2};
-    assert_int_equal(gd_domain_curve_polyline(flat, outside, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, twice, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, nowhere, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_polyline(flat, good, 1, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, falling, good, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 1, empty, good, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 0, empty, good, 2, &curve, &detail), GD_INVALID_ARGUMENT);
-    assert_int_equal(gd_domain_curve_bspline(flat, 2, empty, good, 2, &curve, &detail), GD_INVALID_ARGUMENT);
+                 good[2][2] = {{0, 0}, {1, 0}}, far[2][2] = {{0, 0.5}, {1e300, 0.5}}, falling[4] = {0, 1, 0, 1},
+                 empty[4] = {0, 1, 1, 2};
+    assert_int_equal(gd_domain_curve_polyline(flat, outside, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, twice, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, nowhere, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(flat, good, 1, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 1, falling, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 1, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 0, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_bspline(flat, 2, empty, good, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_point(flat, 0, INFINITY, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_point(sphere, 1e7, 0.5, &curve, &detail), GD_INVALID_ARGUMENT);
+    assert_int_equal(gd_domain_curve_polyline(sphere, far, 2, NULL, &curve, &detail), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_iso(flat, GD_ISO_U, 1.5, &curve, &detail), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_domain_curve_iso(sphere, GD_ISO_V, 1, &curve, &detail), GD_INVALID_ARGUMENT);
     assert_null(curve);
@@ -54,6 +90,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(iso_lines_and_loops_are_closed),
+        cmocka_unit_test(breaks_at_every_line),
+        cmocka_unit_test(a_border_is_in_the_domain),
         cmocka_unit_test(wrong_curves_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

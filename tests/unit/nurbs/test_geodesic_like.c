@@ -196,8 +196,8 @@ static void corners_that_are_none_do_not_matter(void **state)
     const double ends[2][2] = {{0.05, 0.9}, {0.95, 0.8}};
     for (int i = 1; i < 8; i++) {
         struct gd_domain_curve *plain, *broken;
-        check_ok(gd_domain_curve_polyline(scene.surface, ends, 2, &plain, NULL), NULL);
-        check_ok(gd_domain_curve_polyline(scene.surface, (const double(*)[2])corners, CORNERS + 1, &broken, NULL),
+        check_ok(gd_domain_curve_polyline(scene.surface, ends, 2, NULL, &plain, NULL), NULL);
+        check_ok(gd_domain_curve_polyline(scene.surface, (const double(*)[2])corners, CORNERS + 1, NULL, &broken, NULL),
                  NULL);
         struct gd_geodesics one = solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), plain, NULL);
         struct gd_geodesics other = solve(&scene, point_at(scene.surface, 0.12 * i, 0.1), broken, NULL);
@@ -306,7 +306,7 @@ static void a_polyline_ends_in_its_corner(void **state)
     struct scene scene = open_scene(plane(3));
     struct gd_domain_curve *bent;
     const double corners[3][2] = {{2, -1}, {1, 0}, {2, 1}};
-    check_ok(gd_domain_curve_polyline(scene.surface, corners, 3, &bent, NULL), NULL);
+    check_ok(gd_domain_curve_polyline(scene.surface, corners, 3, NULL, &bent, NULL), NULL);
     struct gd_geodesics found = solve(&scene, point_at(scene.surface, -1, 0.125), bent, NULL);
     assert_true(found.items[0].warnings & GD_GEODESIC_CURVE_CORNER);
     check_close(found.items[0].to_parameter, 1, 1e-12);

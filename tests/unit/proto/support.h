@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "gd/mesh.h"
+#include "proto/decode.h"
 #include "proto/options.h"
 #include "proto/problem.h"
 #include "proto/writer.h"
@@ -41,6 +42,27 @@ static inline struct proto_parameters query_of(const char *const *pairs)
 
 #define QUERY(...) query_of((const char *const[]){__VA_ARGS__, NULL})
 #define NO_QUERY   query_of((const char *const[]){NULL})
+
+/* --- bodies ------------------------------------------------------------------------------------------------------- */
+
+/* A document, to be let go by json_decref. */
+static inline json_t *parse(const char *text)
+{
+    struct proto_problem problem;
+    json_t *document = proto_decode_document(text, strlen(text), &problem);
+    assert_non_null(document);
+    return document;
+}
+
+/* A function `name` that decodes a text as `decode` does a document. */
+#define DECODER(name, type, decode)                                                                                    \
+    static bool name(const char *text, type *out, struct proto_problem *problem)                                       \
+    {                                                                                                                  \
+        json_t *document = parse(text);                                                                                \
+        bool decoded = decode(document, out, problem);                                                                 \
+        json_decref(document);                                                                                         \
+        return decoded;                                                                                                \
+    }
 
 /* --- results ---------------------------------------------------------------------------------------------------- */
 
@@ -82,9 +104,21 @@ static inline void assert_parameter(const struct proto_problem *problem, const c
     assert_true(problem->detail[0] != '\0');
 }
 
-/* --- mesh
- * -------------------------------------------------------------------------------------------------------------------
- */
+/* A body that is not taken, and where in it the reason is. */
+struct refusal {
+    const char *text, *pointer;
+};
+
+/* Each is refused, where it says. */
+#define CHECK_REFUSED(decode, type, cases)                                                                             \
+    for (size_t i = 0; i < COUNT(cases); i++) {                                                                        \
+        type decoded;                                                                                                  \
+        struct proto_problem why;                                                                                      \
+        assert_false(decode(cases[i].text, &decoded, &why));                                                           \
+        assert_pointer(&why, cases[i].pointer);                                                                        \
+    }
+
+/* --- mesh ------------------------------------------------------------------------------------------------------ */
 
 /* The corner of a unit cube: right angles at vertex 0, the example of openapi.yaml. */
 static inline struct gd_mesh *new_tetrahedron(void)

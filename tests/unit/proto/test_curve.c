@@ -3,15 +3,13 @@
 #include <stdio.h>
 
 #include "proto/curve.h"
-#include "proto/decode.h"
 
 /* Decodes and locates a curve of the tetrahedron. */
 static bool locate(const char *text, struct proto_located_curve *out, struct proto_problem *problem)
 {
     struct proto_curve curve;
     struct gd_mesh *mesh = new_tetrahedron();
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_curve_decode(document, "/curve", &curve, problem);
     if (ok) {
         ok = proto_curve_locate(mesh, &curve, out, problem);

@@ -1,16 +1,8 @@
 #include "support.h"
 
 #include "proto/cut.h"
-#include "proto/decode.h"
 
-static bool decode(const char *text, struct proto_cut *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool ok = proto_cut_decode(document, out, problem);
-    json_decref(document);
-    return ok;
-}
+DECODER(decode, struct proto_cut, proto_cut_decode)
 
 #define CURVE "\"curve\":{\"boundary\":0}"
 

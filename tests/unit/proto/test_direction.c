@@ -3,15 +3,13 @@
 #include <stdio.h>
 
 #include "gd/point.h"
-#include "proto/decode.h"
 #include "proto/direction.h"
 
 static bool decode(const char *text, struct proto_direction *out, struct proto_problem *problem)
 {
     char array[256];
     snprintf(array, sizeof array, "[%s]", text);
-    json_t *document = proto_decode_document(array, strlen(array), problem);
-    assert_non_null(document);
+    json_t *document = parse(array);
     bool decoded = proto_direction_decode(json_array_get(document, 0), "/directions/7", out, problem);
     json_decref(document);
     return decoded;

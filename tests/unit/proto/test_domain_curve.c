@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/domain_curve.h"
 
 static struct gd_parametric *new_torus(void)
@@ -22,8 +21,7 @@ static struct gd_parametric *new_sheet(void)
 
 static bool read(const char *text, struct proto_domain_curve *out, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_domain_curve_decode(document, "a", out, problem);
     json_decref(document);
     return ok;
@@ -35,7 +33,7 @@ static struct gd_domain_curve *locate(const struct gd_parametric *surface, const
     struct proto_problem problem;
     struct gd_domain_curve *located = NULL;
     assert_true(read(text, &curve, &problem));
-    assert_true(proto_domain_curve_locate(surface, &curve, &located, &problem));
+    assert_true(proto_domain_curve_locate(surface, &curve, NULL, &located, &problem));
     proto_domain_curve_free(&curve);
     proto_domain_curve_free(&curve);
     return located;
@@ -76,14 +74,14 @@ static void points_are_curves_too(void **state)
     struct proto_problem problem;
     struct proto_domain_curve point;
     struct gd_domain_curve *located;
-    json_t *document = proto_decode_document("{\"p\":[0.5,1]}", 13, &problem);
+    json_t *document = parse("{\"p\":[0.5,1]}");
     (void)state;
     assert_true(proto_domain_curve_decode_point(document, "p", &point, &problem));
-    assert_true(proto_domain_curve_locate(sheet, &point, &located, &problem));
+    assert_true(proto_domain_curve_locate(sheet, &point, NULL, &located, &problem));
     assert_true(gd_domain_curve_is_point(located));
     gd_domain_curve_release(located);
     point.points.items[0][1] = 2;
-    assert_false(proto_domain_curve_locate(sheet, &point, &located, &problem));
+    assert_false(proto_domain_curve_locate(sheet, &point, NULL, &located, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_POINT_NOT_ON_SURFACE);
     assert_string_equal(problem.pointer, "/p");
     proto_domain_curve_free(&point);
@@ -141,7 +139,7 @@ static void curves_that_do_not_lie_on_the_surface(void **state)
         struct proto_domain_curve curve;
         struct gd_domain_curve *located = NULL;
         assert_true(read(cases[i].body, &curve, &problem));
-        assert_false(proto_domain_curve_locate(sheet, &curve, &located, &problem));
+        assert_false(proto_domain_curve_locate(sheet, &curve, NULL, &located, &problem));
         assert_int_equal(problem.code, cases[i].code);
         assert_string_equal(problem.pointer, cases[i].pointer);
         assert_null(located);

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/evaluation.h"
 
 /* --- the request ------------------------------------------------------------------------------------------------ */
@@ -10,8 +9,7 @@
 static bool decode(const char *text, bool with_set, struct proto_evaluation *out, struct proto_problem *problem)
 {
     struct proto_set set = {0};
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = with_set ? proto_evaluation_decode_with_set(document, &set, out, problem)
                        : proto_evaluation_decode(document, out, problem);
     proto_set_free(&set);

@@ -2,14 +2,12 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/geodesic_like.h"
 
 static bool read(const char *text, const struct proto_geodesic_form *form, struct proto_geodesic *out,
                  struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_geodesic_decode(document, form, out, problem);
     json_decref(document);
     return ok;
@@ -78,7 +76,8 @@ static void check_answer(const char *request, const struct proto_geodesic_form *
     struct gd_domain_curve *ends[2];
     struct proto_writer writer = new_writer();
     assert_true(read(request, form, &wanted, &problem));
-    for (int k = 0; k < 2; k++) assert_true(proto_domain_curve_locate(sheet, &wanted.ends[k], &ends[k], &problem));
+    for (int k = 0; k < 2; k++)
+        assert_true(proto_domain_curve_locate(sheet, &wanted.ends[k], NULL, &ends[k], &problem));
     const struct proto_geodesic_answer answer = {&wanted, {ends[0], ends[1]}, found};
     assert_int_equal(proto_geodesic_encode(&writer, &answer, &options), GD_OK);
     assert_written(&writer, expected);

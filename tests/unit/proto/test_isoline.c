@@ -2,15 +2,13 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/isoline.h"
 
 /* --- the request -------------------------------------------------------------------------------------------------- */
 
 static bool decode(const char *text, struct proto_isolines *out, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_isolines_decode(document, out, problem);
     json_decref(document);
     return ok;

@@ -1,6 +1,5 @@
 #include "support.h"
 
-#include "proto/decode.h"
 #include "proto/jet.h"
 
 static struct gd_parametric *new_sheet(void)
@@ -9,14 +8,6 @@ static struct gd_parametric *new_sheet(void)
     const double zero = 0, range[] = {0, 1};
     assert_int_equal(gd_parametric_graph(0, 0, &zero, range, range, &sheet, NULL), GD_OK);
     return sheet;
-}
-
-static json_t *parse(const char *text)
-{
-    struct proto_problem problem;
-    json_t *document = proto_decode_document(text, strlen(text), &problem);
-    assert_non_null(document);
-    return document;
 }
 
 static void places_are_read(void **state)

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/discretization.h"
 #include "proto/limit_jet.h"
 #include "proto/limit_pair.h"
@@ -19,14 +18,6 @@ static struct gd_subdivision *new_surface(void)
     struct gd_subdivision *surface = NULL;
     assert_int_equal(gd_subdivision_create(&mesh, GD_SCHEME_CATMULL_CLARK, NULL, &surface, NULL), GD_OK);
     return surface;
-}
-
-static json_t *parse(const char *text)
-{
-    struct proto_problem problem;
-    json_t *document = proto_decode_document(text, strlen(text), &problem);
-    assert_non_null(document);
-    return document;
 }
 
 static void places(void **state)
@@ -80,6 +71,10 @@ static void jets(void **state)
     writer = new_writer();
     proto_limit_jet_encode(&writer, &jet, fields);
     assert_written(&writer, "{\"normal\":[0,0,1],\"duu\":null,\"curvatures\":null,\"singular\":true}");
+    jet.normal.x = NAN; /* at the tip of a spike */
+    writer = new_writer();
+    proto_limit_jet_encode(&writer, &jet, PROTO_LIMIT_JET_FIELD_NORMAL | PROTO_LIMIT_JET_FIELD_DU);
+    assert_written(&writer, "{\"normal\":null,\"du\":[1,0,0]}");
     const struct gd_limit_foot foot = {.place = {3, 0, 0.5, 0.25}, .position = {1, 0, 0}, .distance = 2};
     writer = new_writer();
     proto_limit_foot_encode(&writer, &foot, UINT32_MAX);

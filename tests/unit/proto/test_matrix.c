@@ -2,19 +2,11 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/matrix.h"
 
 /* --- the request ------------------------------------------------------------------------------------------------ */
 
-static bool decode(const char *text, struct proto_matrix *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool decoded = proto_matrix_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode, struct proto_matrix, proto_matrix_decode)
 
 #define ONE "[{\"vertex\":1}]"
 
@@ -36,9 +28,7 @@ static void decodes_bodies(void **state)
 static void refuses_bad_bodies(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
+    static const struct refusal cases[] = {
         {"[]", ""},
         {"{}", "/sources"},
         {"{\"sources\":" ONE "}", "/targets"},
@@ -50,12 +40,7 @@ static void refuses_bad_bodies(void **state)
         {"{\"sources\":" ONE ",\"targets\":" ONE ",\"max_distance\":\"1\"}", "/max_distance"},
         {"{\"sources\":" ONE ",\"targets\":" ONE ",\"via\":[]}", "/via"},
     };
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        struct proto_matrix matrix;
-        struct proto_problem problem;
-        assert_false(decode(cases[i].text, &matrix, &problem));
-        assert_pointer(&problem, cases[i].pointer);
-    }
+    CHECK_REFUSED(decode, struct proto_matrix, cases)
 }
 
 /* A JSON array of that many vertices. */

@@ -1,16 +1,8 @@
 #include "support.h"
 
-#include "proto/decode.h"
 #include "proto/mean.h"
 
-static bool decode(const char *text, struct proto_mean *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool decoded = proto_mean_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode, struct proto_mean, proto_mean_decode)
 
 #define POINTS "\"points\":[{\"vertex\":3},{\"vertex\":1}]"
 
@@ -34,9 +26,7 @@ static void decodes_bodies(void **state)
 static void refuses_bad_bodies(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
+    static const struct refusal cases[] = {
         {"[]", ""},
         {"{}", "/points"},
         {"{\"points\":[]}", "/points"},
@@ -49,25 +39,20 @@ static void refuses_bad_bodies(void **state)
         {"{" POINTS ",\"method\":3}", "/method"},
         {"{" POINTS ",\"start\":3}", "/start"},
     };
-    struct proto_mean mean;
-    struct proto_problem problem;
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_false(decode(cases[i].text, &mean, &problem));
-        assert_pointer(&problem, cases[i].pointer);
-    }
+    CHECK_REFUSED(decode, struct proto_mean, cases)
 }
 
 static void writes_answers(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
-    struct gd_mean mean = {.residual = 0.25, .spread = 2, .iterations = 3, .converged = true};
+    struct gd_mean mean = {.residual = 0.25, .spread = 2, .iterations = 3, .converged = true, .is_cut = true};
     struct proto_options options = {.fields = UINT32_MAX};
     assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){0}, &mean.point, NULL), GD_OK);
     struct proto_writer writer = new_writer();
     proto_mean_encode(&writer, mesh, &mean, &options);
     assert_written(&writer, "{\"point\":{\"face\":0,\"barycentric\":[1,0,0],\"xyz\":[0,0,0],\"vertex\":0},"
-                            "\"residual\":0.25,\"spread\":2,\"iterations\":3,\"converged\":true}");
+                            "\"residual\":0.25,\"spread\":2,\"iterations\":3,\"converged\":true,\"cut_locus\":true}");
     options.fields = PROTO_MEAN_FIELD_RESIDUAL;
     writer = new_writer();
     proto_mean_encode(&writer, mesh, &mean, &options);

@@ -1,12 +1,10 @@
 #include "support.h"
 
-#include "proto/decode.h"
 #include "proto/nearest.h"
 
 static bool decode(const char *text, struct proto_nearest *out, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool decoded = proto_nearest_decode(document, out, problem);
     json_decref(document);
     return decoded;

@@ -2,19 +2,12 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/pair.h"
+#include "tests/support/test.h"
 
 /* --- the request ------------------------------------------------------------------------------------------------ */
 
-static bool decode(const char *text, struct proto_points *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool decoded = proto_pair_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode, struct proto_points, proto_pair_decode)
 
 static void decodes_bodies(void **state)
 {
@@ -51,9 +44,7 @@ static void decodes_stops_in_the_order_of_the_way(void **state)
 static void refuses_bad_bodies(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
+    static const struct refusal cases[] = {
         {"[]", ""},
         {"{}", "/from"},
         {"{\"from\":{\"vertex\":1}}", "/to"},
@@ -64,12 +55,7 @@ static void refuses_bad_bodies(void **state)
         {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":1},\"via\":{\"vertex\":1}}", "/via"},
         {"{\"from\":{\"vertex\":1},\"to\":{\"vertex\":1},\"via\":[{\"vertex\":1},{\"edge\":[1]}]}", "/via/1/edge"},
     };
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        struct proto_points stops;
-        struct proto_problem problem;
-        assert_false(decode(cases[i].text, &stops, &problem));
-        assert_pointer(&problem, cases[i].pointer);
-    }
+    CHECK_REFUSED(decode, struct proto_points, cases)
 }
 
 static void parses_query_strings(void **state)
@@ -136,13 +122,6 @@ static void says_which_of_the_points_is_not_there(void **state)
     (PROTO_PAIR_FIELD_DISTANCE | PROTO_PAIR_FIELD_REASON | PROTO_PAIR_FIELD_FROM | PROTO_PAIR_FIELD_TO |               \
      PROTO_PAIR_FIELD_VIA | PROTO_PAIR_FIELD_PATH)
 
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    assert_int_equal(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), GD_OK);
-    return point;
-}
-
 static void encodes_answers(void **state)
 {
     (void)state;
@@ -164,7 +143,7 @@ static void encodes_answers(void **state)
         {INFINITY, PROTO_PAIR_FIELD_REASON, PROTO_GEOMETRY_FULL, "{\"reason\":\"no_path\"}"},
     };
     struct gd_mesh *mesh = new_tetrahedron();
-    struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1)};
+    struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1)};
     double snaps[] = {NAN, 1};
     struct proto_located_points stops = {.mesh = mesh, .points = points, .snaps = snaps, .count = 2};
     for (size_t i = 0; i < COUNT(cases); i++) {
@@ -182,7 +161,7 @@ static void encodes_what_it_went_by_way_of(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = new_tetrahedron();
-    struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1), vertex(mesh, 2)};
+    struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1), test_vertex(mesh, 2)};
     double snaps[] = {NAN, 1, NAN};
     struct proto_located_points stops = {.mesh = mesh, .points = points, .snaps = snaps, .count = 3};
     struct proto_options options = {.fields = PROTO_PAIR_FIELD_VIA};

@@ -2,13 +2,11 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/parametric.h"
 
 static bool read(const char *text, struct gd_parametric **out, const char **shape, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_parametric_decode(document, "/parametric", out, shape, problem);
     json_decref(document);
     return ok;

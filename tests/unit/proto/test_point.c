@@ -2,15 +2,13 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/point.h"
 
 /* --- from JSON ---------------------------------------------------------------------------------------------------- */
 
 static bool decode(const char *text, struct proto_point *out, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool decoded = proto_point_decode(json_object_get(document, "p"), "/p", out, problem);
     json_decref(document);
     return decoded;

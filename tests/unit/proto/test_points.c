@@ -2,13 +2,11 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/points.h"
 
 static bool decode(const char *text, uint32_t most, struct proto_points *points, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool decoded = proto_points_decode(points, document, "/points", most, problem);
     json_decref(document);
     return decoded;

@@ -2,17 +2,9 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/sampling.h"
 
-static bool decode(const char *text, struct proto_sampling *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool decoded = proto_sampling_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode, struct proto_sampling, proto_sampling_decode)
 
 static void decodes_bodies(void **state)
 {
@@ -29,9 +21,7 @@ static void decodes_bodies(void **state)
 static void refuses_bad_bodies(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
+    static const struct refusal cases[] = {
         {"[]", ""},
         {"{}", "/count"},
         {"{\"count\":0}", "/count"},
@@ -43,10 +33,7 @@ static void refuses_bad_bodies(void **state)
     };
     struct proto_sampling sampling;
     struct proto_problem problem;
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_false(decode(cases[i].text, &sampling, &problem));
-        assert_pointer(&problem, cases[i].pointer);
-    }
+    CHECK_REFUSED(decode, struct proto_sampling, cases)
     assert_false(decode("{\"count\":10001}", &sampling, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }

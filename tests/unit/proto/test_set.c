@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "proto/decode.h"
 #include "proto/set.h"
 
 /* Decodes and locates a set of the tetrahedron; NULL with the problem. */
@@ -12,8 +11,7 @@ static struct proto_located_set *locate(const char *text, struct proto_problem *
     struct proto_set set;
     struct proto_located_set *located = NULL;
     struct gd_mesh *mesh = new_tetrahedron();
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     if (proto_set_decode(document, "/set", &set, problem)) {
         if (proto_set_locate(mesh, &set, NULL, NULL, &located, problem)) assert_null(located);
         proto_set_free(&set);

@@ -1,12 +1,10 @@
 #include "support.h"
 
-#include "proto/decode.h"
 #include "proto/tessellation.h"
 
 static bool read(const char *text, struct proto_tessellation *out, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
+    json_t *document = parse(text);
     bool ok = proto_tessellation_decode(document, 1000, out, problem);
     json_decref(document);
     return ok;

@@ -2,17 +2,9 @@
 
 #include <stdio.h>
 
-#include "proto/decode.h"
 #include "proto/trace.h"
 
-static bool decode(const char *text, struct proto_trace *out, struct proto_problem *problem)
-{
-    json_t *document = proto_decode_document(text, strlen(text), problem);
-    assert_non_null(document);
-    bool decoded = proto_trace_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode, struct proto_trace, proto_trace_decode)
 
 #define START "\"start\":{\"vertex\":3}"
 
@@ -43,9 +35,7 @@ static void decodes_bodies(void **state)
 static void refuses_bad_bodies(void **state)
 {
     (void)state;
-    static const struct {
-        const char *text, *pointer;
-    } cases[] = {
+    static const struct refusal cases[] = {
         {"[]", ""},
         {"{\"length\":1,\"fan\":2}", "/start"},
         {"{" START ",\"fan\":2}", "/length"},
@@ -63,10 +53,7 @@ static void refuses_bad_bodies(void **state)
     };
     struct proto_trace trace;
     struct proto_problem problem;
-    for (size_t i = 0; i < COUNT(cases); i++) {
-        assert_false(decode(cases[i].text, &trace, &problem));
-        assert_pointer(&problem, cases[i].pointer);
-    }
+    CHECK_REFUSED(decode, struct proto_trace, cases)
     assert_false(decode("{" START ",\"length\":1,\"fan\":10001}", &trace, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
 }

@@ -1,15 +1,6 @@
 #include "support.h"
 
-#include "proto/decode.h"
 #include "proto/uv.h"
-
-static json_t *parse(const char *text)
-{
-    struct proto_problem problem;
-    json_t *document = proto_decode_document(text, strlen(text), &problem);
-    assert_non_null(document);
-    return document;
-}
 
 static void pairs_are_read(void **state)
 {

@@ -2,40 +2,11 @@
 
 #include <math.h>
 
-#include "proto/decode.h"
 #include "proto/vector.h"
 
-static json_t *parse(const char *text)
-{
-    struct proto_problem problem;
-    json_t *document = proto_decode_document(text, strlen(text), &problem);
-    assert_non_null(document);
-    return document;
-}
-
-static bool decode_exp(const char *text, struct proto_exp *out, struct proto_problem *problem)
-{
-    json_t *document = parse(text);
-    bool decoded = proto_exp_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
-
-static bool decode_log(const char *text, struct proto_log *out, struct proto_problem *problem)
-{
-    json_t *document = parse(text);
-    bool decoded = proto_log_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
-
-static bool decode_transport(const char *text, struct proto_transport *out, struct proto_problem *problem)
-{
-    json_t *document = parse(text);
-    bool decoded = proto_transport_decode(document, out, problem);
-    json_decref(document);
-    return decoded;
-}
+DECODER(decode_exp, struct proto_exp, proto_exp_decode)
+DECODER(decode_log, struct proto_log, proto_log_decode)
+DECODER(decode_transport, struct proto_transport, proto_transport_decode)
 
 #define START  "\"start\":{\"vertex\":3}"
 #define VECTOR "{\"direction\":1,\"length\":2}"
@@ -123,13 +94,14 @@ static void writes_vectors(void **state)
     proto_vector_encode(&writer, &direction, 3);
     assert_written(&writer, "{\"direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"length\":3}");
     writer = new_writer();
-    proto_log_encode(&writer, &(struct gd_log){.vector = {direction, 0}});
+    proto_log_encode(&writer, &(struct gd_log){.vector = {direction, 0}}, false);
     assert_written(&writer, "{\"direction\":null,\"length\":0}");
     writer = new_writer();
-    proto_log_encode(&writer, &(struct gd_log){{direction, 3}, segments, 2});
+    proto_log_encode(&writer, &(struct gd_log){{direction, 3}, segments, 2}, true);
     assert_written(&writer, "{\"direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"length\":3,\"segments\":["
                             "{\"direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"length\":1},"
-                            "{\"direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"length\":2}]}");
+                            "{\"direction\":{\"angle\":0.5,\"xyz\":[0,1,0]},\"length\":2}],"
+                            "\"cut_locus\":true}");
 }
 
 int main(void)

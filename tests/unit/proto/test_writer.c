@@ -29,6 +29,29 @@ static void places_commas(void **state)
                             "\"c\":[0.5,-2,null,null,null]}");
 }
 
+/* More than are made at a time, beside the same one by one. */
+static void triples_are_arrays_of_three(void **state)
+{
+    (void)state;
+    double values[30][3];
+    struct proto_writer writer, other;
+    proto_writer_init(&writer, 1 << 20);
+    proto_writer_init(&other, 1 << 20);
+    for (int i = 0; i < 90; i++) (&values[0][0])[i] = i % 7 ? i * 1.1 - 50 : i % 2 ? NAN : 0;
+    proto_write_array_begin(&writer);
+    proto_write_triples(&writer, values, 0);
+    proto_write_triples(&writer, values, 1);
+    proto_write_triples(&writer, values + 1, 29);
+    proto_write_array_end(&writer);
+    proto_write_array_begin(&other);
+    for (int i = 0; i < 30; i++) proto_write_numbers(&other, values[i], 3);
+    proto_write_array_end(&other);
+    assert_int_equal(writer.size, other.size);
+    assert_memory_equal(writer.data, other.data, other.size);
+    proto_writer_free(&writer);
+    proto_writer_free(&other);
+}
+
 static void escapes_strings(void **state)
 {
     (void)state;
@@ -130,6 +153,7 @@ static void holds_a_size_that_is_no_power_of_two(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(triples_are_arrays_of_three),
         cmocka_unit_test(places_commas),
         cmocka_unit_test(escapes_strings),
         cmocka_unit_test(appends_plain_text),

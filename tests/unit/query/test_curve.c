@@ -8,22 +8,6 @@
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
-static struct gd_mesh *mesh_of(const char *name, const double *values)
-{
-    struct gd_polygons polygons;
-    check_ok(sample_find(name)->generate(values, &polygons), NULL);
-    struct gd_mesh *mesh = test_mesh(&polygons);
-    gd_polygons_free(&polygons);
-    return mesh;
-}
-
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
-    return point;
-}
-
 static enum gd_status resolve(const struct gd_mesh *mesh, struct gd_curve_request request, struct gd_curve *out,
                               struct gd_detail *detail)
 {
@@ -41,10 +25,10 @@ static double distance(const struct gd_mesh *mesh, struct gd_point p, struct gd_
 static void joined_by_shortest_paths(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("terrain", (double[SAMPLE_PARAMETERS]){12, 0.8, 3});
+    struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){12, 0.8, 3}, NULL);
     for (int closed = 0; closed < 2; closed++) {
-        const struct gd_point points[] = {vertex(mesh, 5), vertex(mesh, 140), vertex(mesh, 31), vertex(mesh, 31),
-                                          vertex(mesh, 90)};
+        const struct gd_point points[] = {test_vertex(mesh, 5), test_vertex(mesh, 140), test_vertex(mesh, 31),
+                                          test_vertex(mesh, 31), test_vertex(mesh, 90)};
         double length = distance(mesh, points[0], points[1]) + distance(mesh, points[1], points[2]) +
                         distance(mesh, points[3], points[4]) + (closed ? distance(mesh, points[4], points[0]) : 0);
         struct gd_curve curve;
@@ -68,7 +52,7 @@ static void joined_by_shortest_paths(void **state)
 static void within_a_face(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("tetrahedron", (double[SAMPLE_PARAMETERS]){1, 0});
+    struct gd_mesh *mesh = test_sample("tetrahedron", (double[SAMPLE_PARAMETERS]){1, 0}, NULL);
     const double weights[][3] = {{0.5, 0.25, 0.25}, {0.5, 0.25 + 1e-14, 0.25 - 1e-14}, {1, 0, 0}, {0, 0.5, 0.5}};
     struct gd_point points[4];
     struct gd_curve curve;
@@ -85,7 +69,7 @@ static void within_a_face(void **state)
 static void along_edges(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1});
+    struct gd_mesh *mesh = test_sample("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1}, NULL);
     static const struct gd_vertex chain[] = {{0}, {1}, {1}, {4}, {3}, {0}};
     struct gd_curve curve;
     for (int closed = 0; closed < 2; closed++) {
@@ -104,7 +88,7 @@ static void along_edges(void **state)
 static void round_boundaries(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 7, 3});
+    struct gd_mesh *mesh = test_sample("cylinder", (double[SAMPLE_PARAMETERS]){1, 2, 7, 3}, NULL);
     for (uint32_t loop = 0; loop < 2; loop++) {
         struct gd_curve curve;
         check_ok(resolve(mesh, (struct gd_curve_request){.kind = GD_CURVE_BOUNDARY, .boundary = loop}, &curve, NULL),
@@ -124,7 +108,7 @@ static void round_boundaries(void **state)
 static void refusals(void **state)
 {
     (void)state;
-    struct gd_mesh *grid = mesh_of("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1});
+    struct gd_mesh *grid = test_sample("grid", (double[SAMPLE_PARAMETERS]){2, 2, 1, 1}, NULL);
     struct gd_curve curve = {.count = 7};
     struct gd_detail detail = {0};
     static const struct gd_vertex apart[] = {{0}, {8}}, beyond[] = {{0}, {9}};
@@ -153,7 +137,7 @@ static void components_are_not_joined(void **state)
     uint32_t corners[] = {0, 1, 2, 3, 4, 5};
     struct gd_mesh *mesh = test_mesh(
         &(struct gd_polygons){.positions = positions, .position_count = 6, .polygon_count = 2, .corners = corners});
-    const struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 1), vertex(mesh, 4)};
+    const struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 1), test_vertex(mesh, 4)};
     struct gd_curve curve;
     struct gd_detail detail = {0};
     assert_int_equal(resolve(mesh, (struct gd_curve_request){.count = 3, .points = points}, &curve, &detail),
@@ -165,8 +149,8 @@ static void components_are_not_joined(void **state)
 static void budgets(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("terrain", (double[SAMPLE_PARAMETERS]){20, 0.8, 3});
-    const struct gd_point points[] = {vertex(mesh, 0), vertex(mesh, 440)};
+    struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){20, 0.8, 3}, NULL);
+    const struct gd_point points[] = {test_vertex(mesh, 0), test_vertex(mesh, 440)};
     const struct gd_curve_request request = {.count = 2, .points = points};
     bool is_done = false;
     for (size_t budget = 64; !is_done; budget *= 2) {

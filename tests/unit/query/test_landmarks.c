@@ -9,6 +9,8 @@
 #include "wedge/workspace.h"
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
+#include "tests/support/field.h"
+#include "tests/support/watch.h"
 
 #define LANDMARKS 4
 #define ROUNDING  1e-14
@@ -22,27 +24,11 @@ static struct gd_mesh *terrain(uint64_t seed)
     return mesh;
 }
 
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
-    return point;
-}
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, struct gd_point point)
-{
-    struct gd_seed seed = {.point = point};
-    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
-    struct gd_field *field;
-    check_ok(gd_field_build(mesh, &request, NULL, NULL, &field, NULL), NULL);
-    return field;
-}
-
 /* Aims at a vertex inside, without landmarks and with them, and checks what both say of all vertices. Returns at how many landmarks say more. */
 static uint32_t check_bounds(const struct gd_mesh *mesh, const struct gd_landmarks *landmarks, uint32_t target)
 {
-    struct gd_point from = vertex(mesh, 0), to = {.kind = GD_POINT_VERTEX, .element = target};
-    struct gd_field *field = field_of(mesh, to);
+    struct gd_point from = test_vertex(mesh, 0), to = {.kind = GD_POINT_VERTEX, .element = target};
+    struct gd_field *field = test_field_from(mesh, to);
     struct gd__guide plain = {0}, guide = {0};
     double upper;
     uint32_t better = 0;
@@ -128,31 +114,15 @@ static void survive_being_stored(void **state)
     gd_mesh_release(other);
 }
 
-static bool never(void *user, double fraction)
-{
-    (void)user;
-    (void)fraction;
-    return false;
-}
-
-/* Reports go up, from landmark to landmark. */
-static bool watch(void *user, double fraction)
-{
-    double *last = user;
-    assert_true(fraction >= *last && fraction <= 1);
-    *last = fraction;
-    return true;
-}
-
 static void progress_goes_up(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(5);
     struct gd_landmarks *landmarks;
-    double last = 0;
-    struct gd_control control = {.progress = watch, .user = &last};
+    struct test_watch watch = {0};
+    struct gd_control control = {.progress = test_watch, .user = &watch};
     check_ok(gd_landmarks_build(mesh, 6, &control, &landmarks), NULL);
-    assert_true(last > 0.8);
+    assert_true(watch.last > 0.8);
     size_t held = gd_landmarks_memsize(landmarks);
     gd_landmarks_release(landmarks);
     control = (struct gd_control){.budget_bytes = held};
@@ -165,7 +135,7 @@ static void refusals(void **state)
     (void)state;
     struct gd_mesh *mesh = terrain(5);
     struct gd_landmarks *landmarks = NULL;
-    struct gd_control cancel = {.progress = never}, poor = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
+    struct gd_control cancel = {.progress = test_cancel}, poor = {.budget_bytes = 1000}, late = {.deadline_ns = 1};
     assert_int_equal(gd_landmarks_build(mesh, 0, NULL, &landmarks), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_landmarks_build(mesh, 17, NULL, &landmarks), GD_INVALID_ARGUMENT);
     assert_int_equal(gd_landmarks_build(mesh, 4, &cancel, &landmarks), GD_CANCELLED);

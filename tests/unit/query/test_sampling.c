@@ -5,26 +5,11 @@
 #include "gd/field.h"
 #include "gd/sampling.h"
 #include "tests/samples/samples.h"
+#include "tests/support/watch.h"
 
 enum { MOST = 12 };
 
 static const double promise = 1e-9;
-
-static struct gd_mesh *mesh_of(const char *name, const double *values)
-{
-    struct gd_polygons polygons;
-    check_ok(sample_find(name)->generate(values, &polygons), NULL);
-    struct gd_mesh *mesh = test_mesh(&polygons);
-    gd_polygons_free(&polygons);
-    return mesh;
-}
-
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
-    return point;
-}
 
 /* Corner, opposite corner, the other two, the middle: on one cell and on many. */
 static void corners_and_middle_of_a_square(void **state)
@@ -32,8 +17,8 @@ static void corners_and_middle_of_a_square(void **state)
     (void)state;
     static const double radii[] = {M_SQRT2, 1, 1, M_SQRT1_2, 0.5};
     for (uint32_t cells = 1; cells <= 5; cells++) {
-        struct gd_mesh *mesh = mesh_of("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1});
-        struct gd_point start = vertex(mesh, 0), points[MOST];
+        struct gd_mesh *mesh = test_sample("grid", (double[SAMPLE_PARAMETERS]){cells, cells, 1, 1}, NULL);
+        struct gd_point start = test_vertex(mesh, 0), points[MOST];
         double found[MOST];
         check_ok(gd_sampling_farthest(mesh, &start, 5, NULL, NULL, points, found, NULL), NULL);
         for (int i = 0; i < 5; i++) check_close(found[i], radii[i], promise);
@@ -53,7 +38,7 @@ static void radii_cover_the_surface(void **state)
     } surfaces[] = {
         {"terrain", {14, 0.8, 3}}, {"torus", {20, 10, 1, 0.4}}, {"tangle", {150, 11}}, {"box", {1, 2, 3, 2}}};
     for (size_t s = 0; s < sizeof surfaces / sizeof *surfaces; s++) {
-        struct gd_mesh *mesh = mesh_of(surfaces[s].name, surfaces[s].values);
+        struct gd_mesh *mesh = test_sample(surfaces[s].name, surfaces[s].values, NULL);
         struct gd_point points[MOST];
         double radii[MOST], vertices[4096];
         check_ok(gd_sampling_farthest(mesh, NULL, MOST, NULL, NULL, points, radii, NULL), NULL);
@@ -86,37 +71,24 @@ static void components_come_first(void **state)
     struct gd_point points[3];
     double radii[3];
     check_ok(gd_sampling_farthest(mesh, NULL, 3, NULL, NULL, points, radii, NULL), NULL);
-    struct gd_point expected[2] = {vertex(mesh, 1), vertex(mesh, 4)};
+    struct gd_point expected[2] = {test_vertex(mesh, 1), test_vertex(mesh, 4)};
     for (int i = 0; i < 2; i++) assert_true(gd_point_equal(&points[i], &expected[i]));
     assert_true(isinf(radii[0]));
     check_close(radii[1], 1, promise);
     gd_mesh_release(mesh);
 }
 
-struct watch {
-    double last;
-    uint32_t reports, patience;
-};
-
-static bool watch_progress(void *user, double fraction)
-{
-    struct watch *watch = user;
-    assert_true(fraction >= watch->last && fraction <= 1);
-    watch->last = fraction;
-    return ++watch->reports < watch->patience;
-}
-
 static void reports_go_up_and_a_cancel_ends_it(void **state)
 {
     (void)state;
-    struct gd_mesh *mesh = mesh_of("terrain", (double[SAMPLE_PARAMETERS]){20, 0.5, 1});
+    struct gd_mesh *mesh = test_sample("terrain", (double[SAMPLE_PARAMETERS]){20, 0.5, 1}, NULL);
     struct gd_point points[MOST];
     double radii[MOST] = {-1};
-    struct watch watch = {.patience = 8};
-    struct gd_control control = {.progress = watch_progress, .user = &watch};
+    struct test_watch watch = {.most = 8};
+    struct gd_control control = {.progress = test_watch, .user = &watch};
     assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), GD_CANCELLED);
     assert_true(watch.last > 0 && watch.last < 1 && radii[0] == -1);
-    watch = (struct watch){.patience = UINT32_MAX};
+    watch = (struct test_watch){0};
     check_ok(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), NULL);
     control = (struct gd_control){.budget_bytes = 64};
     assert_int_equal(gd_sampling_farthest(mesh, NULL, MOST, &control, NULL, points, radii, NULL), GD_BUDGET);

@@ -7,6 +7,7 @@
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
 #include "tests/support/test.h"
+#include "tests/support/watch.h"
 
 static struct gd_mesh *terrain(uint32_t cells)
 {
@@ -36,16 +37,9 @@ static struct gd_mesh *disc(uint32_t rim)
     return mesh;
 }
 
-static struct gd_point vertex(const struct gd_mesh *mesh, uint32_t index)
-{
-    struct gd_point point;
-    check_ok(gd_point_at_vertex(mesh, (struct gd_vertex){index}, &point, NULL), NULL);
-    return point;
-}
-
 static double solve(const struct gd_mesh *mesh, uint32_t a, uint32_t b, const struct gd_control *control)
 {
-    struct gd_point from = vertex(mesh, a), to = vertex(mesh, b);
+    struct gd_point from = test_vertex(mesh, a), to = test_vertex(mesh, b);
     struct gd_pair_answer answer = {.distance = -1};
     check_ok(gd_pair_solve(mesh, &from, &to, false, NULL, control, &answer, NULL), NULL);
     return answer.distance;
@@ -60,24 +54,16 @@ static bool never(void *user, double fraction)
     return false;
 }
 
-static bool go_up(void *user, double fraction)
-{
-    double *last = user;
-    assert_true(fraction >= *last && fraction <= 1);
-    *last = fraction;
-    return true;
-}
-
 /* Over both runs. */
 static void progress_goes_up(void **state)
 {
     (void)state;
     struct gd_mesh *mesh = terrain(48);
     for (uint32_t to = 100; to < 2300; to += 200) {
-        double last = 0;
-        struct gd_control control = {.progress = go_up, .user = &last};
+        struct test_watch watch = {0};
+        struct gd_control control = {.progress = test_watch, .user = &watch};
         solve(mesh, 0, to, &control);
-        assert_true(last >= 0.5);
+        assert_true(watch.last >= 0.5);
     }
     gd_mesh_release(mesh);
 }
@@ -106,7 +92,7 @@ static void other_components_are_not_searched(void **state)
 static enum gd_status aim(struct gd__guide *guide, const struct gd_mesh *mesh, uint32_t to,
                           const struct gd_control *control)
 {
-    struct gd_point from = vertex(mesh, 0), target = vertex(mesh, to);
+    struct gd_point from = test_vertex(mesh, 0), target = test_vertex(mesh, to);
     double upper = 0;
     enum gd_status status = gd__guide_aim(guide, mesh, &from, &target, control, &upper);
     if (!status) assert_true(upper > 0 && upper < GD__FAR);
@@ -131,7 +117,7 @@ static void the_guide_looks_at_its_control(void **state)
     int asked = 0;
     struct gd_control cancel = {.progress = never, .user = &asked}, late = {.deadline_ns = 1};
     struct gd__guide guide = {0};
-    struct gd_point from = vertex(mesh, 0);
+    struct gd_point from = test_vertex(mesh, 0);
     assert_int_equal(aim(&guide, mesh, far, &cancel), GD_CANCELLED);
     assert_int_equal(asked, 1);
     gd__guide_clean(&guide);
@@ -153,7 +139,7 @@ static void the_guide_asks_the_budget(void **state)
     (void)state;
     struct gd_mesh *mesh = terrain(64);
     struct gd__guide guide = {0};
-    struct gd_point from = vertex(mesh, 0);
+    struct gd_point from = test_vertex(mesh, 0);
     size_t nodes = mesh->vertex_count * sizeof *guide.node;
     struct gd_control poor = {.budget_bytes = nodes - 1}, tight = {.budget_bytes = nodes + 64};
     assert_int_equal(aim(&guide, mesh, 100, &poor), GD_BUDGET);
@@ -181,7 +167,7 @@ static void a_failed_search_leaves_nothing(void **state)
     (void)state;
     struct gd_mesh *mesh = terrain(32);
     uint32_t far = 33 * 33 - 1, failed = 0;
-    struct gd_point from = vertex(mesh, 0), to = vertex(mesh, far);
+    struct gd_point from = test_vertex(mesh, 0), to = test_vertex(mesh, far);
     double expected = solve(mesh, far, 0, NULL);
     struct gd_control usual = {.workspace = gd_workspace_create()}, poor = usual;
     enum gd_status status = GD_BUDGET;
@@ -203,7 +189,7 @@ static void hubs_are_walked_round_a_few_times(void **state)
     (void)state;
     struct gd_mesh *mesh = disc(4000);
     struct gd__guide guide = {0};
-    struct gd_point from = vertex(mesh, 1), to = vertex(mesh, 400);
+    struct gd_point from = test_vertex(mesh, 1), to = test_vertex(mesh, 400);
     double upper;
     check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
     check_ok(gd__guide_mark_corridor(&guide, &from), NULL);
@@ -247,7 +233,7 @@ static void points_close_to_a_vertex_at_the_origin(void **state)
     struct gd_polygons polygons;
     check_ok(sample_box((double[3]){1, 1, 1}, (uint32_t[3]){1, 1, 1}, &polygons), NULL);
     struct gd_mesh *mesh = test_mesh(&polygons);
-    struct gd_point corner = vertex(mesh, 0), point;
+    struct gd_point corner = test_vertex(mesh, 0), point;
     for (uint32_t other = 1; other < 8; other++) {
         for (double t = 1e-14; t < 1e-6; t *= 1.7) {
             struct gd_pair_answer answer;

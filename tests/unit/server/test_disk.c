@@ -1,5 +1,7 @@
 #include "folder.h"
 
+#include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 static int set_up(void **state)
@@ -8,6 +10,18 @@ static int set_up(void **state)
     folder_make(folder);
     *state = folder;
     return 0;
+}
+
+/* The limit before; from now on no file can be opened. */
+static struct rlimit use_up_descriptors(void)
+{
+    struct rlimit limit, none;
+    int next = open("/", O_RDONLY);
+    close(next);
+    assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
+    none = (struct rlimit){.rlim_cur = (rlim_t)next, .rlim_max = limit.rlim_max};
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
+    return limit;
 }
 
 static int tear_down(void **state)
@@ -158,6 +172,26 @@ static void a_folder_is_walked_while_it_is_emptied(void **state)
     assert_false(server_disk_each(path, add_and_remove, names));
 }
 
+/* What is changed has to be made durable, for which a descriptor is needed. */
+static void without_descriptors_nothing_changes(void **state)
+{
+    const char *folder = *state;
+    char file[SERVER_DISK_PATH], inner[SERVER_DISK_PATH];
+    path_in(folder, file, "a");
+    path_in(folder, inner, "inner");
+    assert_int_equal(write_text(folder, "a", "first"), SERVER_DISK_DONE);
+    struct rlimit limit = use_up_descriptors();
+    enum server_disk_result written = write_text(folder, "a", "second"), removed = server_disk_remove(folder, file),
+                            made = server_disk_make_folder(inner), there = server_disk_make_folder(folder);
+    assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
+    assert_int_equal(written, SERVER_DISK_REFUSED);
+    assert_int_equal(removed, SERVER_DISK_REFUSED);
+    assert_int_equal(made, SERVER_DISK_REFUSED);
+    assert_int_equal(there, SERVER_DISK_DONE);
+    assert_text(folder, "a", "first");
+    assert_int_not_equal(access(inner, F_OK), 0);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
@@ -168,6 +202,7 @@ int main(void)
         TEST(links_are_second_names),
         TEST(large_files_are_read_piece_by_piece),
         TEST(a_folder_is_walked_while_it_is_emptied),
+        TEST(without_descriptors_nothing_changes),
     };
 #undef TEST
     return cmocka_run_group_tests(tests, NULL, NULL);

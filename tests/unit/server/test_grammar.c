@@ -79,76 +79,80 @@ static void knows_when_it_is_in_a_head(void **state)
     }
 }
 
+static const struct {
+    const char *bytes;
+    size_t size, right; /* how many bytes are without fault */
+} faults[] = {
+#define FAULT(before, after)                                                                                           \
+    {                                                                                                                  \
+        TEXT(before after), sizeof(before) - 1                                                                         \
+    }
+    FAULT("", "\n"),
+    FAULT("\r\n", "\r\n" GET),
+    FAULT("\r", "\r"),
+    FAULT("", " GET"),
+    FAULT("", "\x16\x03\x01"),
+    FAULT("G", "(T / HTTP/1.1"),
+    FAULT("GET", "\t/ HTTP/1.1"),
+    FAULT("GET ", " / HTTP/1.1"),
+    FAULT("GET / ", " HTTP/1.1"),
+    FAULT("GET /", "\r\n"),
+    FAULT("GET /a", "\tb HTTP/1.1"),
+    FAULT("GET /", "\xff HTTP/1.1"),
+    FAULT("GET /", "#a HTTP/1.1"),
+    FAULT("GET /", "\x7f HTTP/1.1"),
+    FAULT("GET / ", "http/1.1"),
+    FAULT("GET / HTTP/1.", "2\r\n"),
+    FAULT("GET / HTTP/", "2.0\r\n"),
+    FAULT("GET / HTTP/1.1", " \r\n"),
+    FAULT("GET / HTTP/1.1", "\n"),
+    FAULT("GET / HTTP/1.1\r", "X"),
+    FAULT(GET, " Host: a\r\n"),
+    FAULT(GET, "\tHost: a\r\n"),
+    FAULT(GET, ": a\r\n"),
+    FAULT(GET, "\n"),
+    FAULT(GET "Host", " : a\r\n"),
+    FAULT(GET "Host", "\t: a\r\n"),
+    FAULT(GET "Host", "\r\n"),
+    FAULT(GET "Ho", "(st: a\r\n"),
+    FAULT(GET "Ho", "\xe9: a\r\n"),
+    FAULT(GET "A: b", "\n"),
+    FAULT(GET "A: b\r", "c"),
+    FAULT(GET "A: b\r", "\r\n"),
+    FAULT(GET "A: b\r\n", " c\r\n"),
+    FAULT(GET "A: b", "\x01"),
+    FAULT(GET "A: b", "\x7f"),
+    FAULT(GET HOST "\r", "GET"),
+    FAULT(GET HOST "Host: localhost", "\r\n"),
+    FAULT(PUT "Content-Length: 5\r\nContent-Length: 5", "\r\n\r\n"),
+    FAULT(PUT "Content-Length: 5, 5", "\r\n"),
+    FAULT(PUT "Content-Length: +5", "\r\n"),
+    FAULT(PUT "Content-Length: -5", "\r\n"),
+    FAULT(PUT "Content-Length: 0x5", "\r\n"),
+    FAULT(PUT "Content-Length: 5 ", "\r\n"),
+    FAULT(PUT "Content-Length: 5\xa0", "\r\n"),
+    FAULT(PUT "Content-Length:", "\r\n"),
+    FAULT(PUT "Content-Length: 1234567890123456789", "\r\n"),
+    FAULT(PUT "Content-Length: 99999999999999999999999999", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: chunked, chunked", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: gzip", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: xchunked", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: chunked ", "\r\n"),
+    FAULT(PUT "Transfer-Encoding:", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", "\r\n"),
+    FAULT(PUT "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r", "\n"),
+    FAULT(PUT "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r", "\n"),
+    FAULT("PUT / HTTP/1.0\r\nTransfer-Encoding: chunked", "\r\n"),
+#undef FAULT
+};
+
 static void faults_of_heads(void **state)
 {
     (void)state;
-    static const struct {
-        const char *bytes;
-        size_t size, right; /* how many bytes are without fault */
-    } cases[] = {
-#define FAULT(before, after) {TEXT(before after), sizeof(before) - 1}
-        FAULT("", "\n"),
-        FAULT("\r\n", "\r\n" GET),
-        FAULT("\r", "\r"),
-        FAULT("", " GET"),
-        FAULT("", "\x16\x03\x01"),
-        FAULT("G", "(T / HTTP/1.1"),
-        FAULT("GET", "\t/ HTTP/1.1"),
-        FAULT("GET ", " / HTTP/1.1"),
-        FAULT("GET / ", " HTTP/1.1"),
-        FAULT("GET /", "\r\n"),
-        FAULT("GET /a", "\tb HTTP/1.1"),
-        FAULT("GET /", "\xff HTTP/1.1"),
-        FAULT("GET /", "#a HTTP/1.1"),
-        FAULT("GET /", "\x7f HTTP/1.1"),
-        FAULT("GET / ", "http/1.1"),
-        FAULT("GET / HTTP/1.", "2\r\n"),
-        FAULT("GET / HTTP/", "2.0\r\n"),
-        FAULT("GET / HTTP/1.1", " \r\n"),
-        FAULT("GET / HTTP/1.1", "\n"),
-        FAULT("GET / HTTP/1.1\r", "X"),
-        FAULT(GET, " Host: a\r\n"),
-        FAULT(GET, "\tHost: a\r\n"),
-        FAULT(GET, ": a\r\n"),
-        FAULT(GET, "\n"),
-        FAULT(GET "Host", " : a\r\n"),
-        FAULT(GET "Host", "\t: a\r\n"),
-        FAULT(GET "Host", "\r\n"),
-        FAULT(GET "Ho", "(st: a\r\n"),
-        FAULT(GET "Ho", "\xe9: a\r\n"),
-        FAULT(GET "A: b", "\n"),
-        FAULT(GET "A: b\r", "c"),
-        FAULT(GET "A: b\r", "\r\n"),
-        FAULT(GET "A: b\r\n", " c\r\n"),
-        FAULT(GET "A: b", "\x01"),
-        FAULT(GET "A: b", "\x7f"),
-        FAULT(GET HOST "\r", "GET"),
-        FAULT(GET HOST "Host: localhost", "\r\n"),
-        FAULT(PUT "Content-Length: 5\r\nContent-Length: 5", "\r\n\r\n"),
-        FAULT(PUT "Content-Length: 5, 5", "\r\n"),
-        FAULT(PUT "Content-Length: +5", "\r\n"),
-        FAULT(PUT "Content-Length: -5", "\r\n"),
-        FAULT(PUT "Content-Length: 0x5", "\r\n"),
-        FAULT(PUT "Content-Length: 5 ", "\r\n"),
-        FAULT(PUT "Content-Length: 5\xa0", "\r\n"),
-        FAULT(PUT "Content-Length:", "\r\n"),
-        FAULT(PUT "Content-Length: 1234567890123456789", "\r\n"),
-        FAULT(PUT "Content-Length: 99999999999999999999999999", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: chunked, chunked", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: gzip", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: xchunked", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: chunked ", "\r\n"),
-        FAULT(PUT "Transfer-Encoding:", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked", "\r\n"),
-        FAULT(PUT "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r", "\n"),
-        FAULT(PUT "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r", "\n"),
-        FAULT("PUT / HTTP/1.0\r\nTransfer-Encoding: chunked", "\r\n"),
-#undef FAULT
-    };
-    for (size_t i = 0; i < COUNT(cases); i++) {
+    for (size_t i = 0; i < COUNT(faults); i++) {
         struct server_grammar grammar = {0};
-        follow(cases[i].bytes, cases[i].size);
-        assert_int_equal(server_grammar_follow(&grammar, cases[i].bytes, cases[i].size), cases[i].right);
+        follow(faults[i].bytes, faults[i].size);
+        assert_int_equal(server_grammar_follow(&grammar, faults[i].bytes, faults[i].size), faults[i].right);
         assert_non_null(grammar.fault);
         assert_int_equal(grammar.heads, 0);
         assert_int_equal(server_grammar_follow(&grammar, GET "\r\n", sizeof GET), 0); /* nothing is followed any more */

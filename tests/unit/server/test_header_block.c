@@ -7,32 +7,34 @@ static struct server_header_block block;
 
 static void add(const char *name, const char *value)
 {
-    response.headers[response.header_count].name = name;
-    strcpy(response.headers[response.header_count++].value, value);
+    struct server_response_header *header = &response.headers[response.header_count++];
+    header->name = name;
+    header->size = strlen(value);
+    strcpy(header->value, value);
 }
 
 static void assert_block(const char *joined, const char *broken)
 {
     char copy[sizeof block.value];
-    server_header_block_join(&block, &response);
+    server_header_block_join(&block, &response, "today");
     assert_string_equal(block.value, joined);
     strcpy(copy, block.value);
     server_header_block_break(&block, copy);
     assert_string_equal(copy, broken);
 }
 
-static void lines_stand_in_the_first_ones_value(void **state)
+static void lines_stand_in_the_dates_value(void **state)
 {
     (void)state;
     response.header_count = 0;
+    assert_block("today", "today");
     add("ETag", "\"x\"");
-    assert_block("\"x\"", "\"x\"");
-    assert_string_equal(block.name, "ETag");
+    assert_block("today  ETag: \"x\"", "today\r\nETag: \"x\"");
     add("Vary", "Accept-Encoding");
     add("X-Empty", "");
     add("X-Blanks", "a  b: c");
-    assert_block("\"x\"  Vary: Accept-Encoding  X-Empty:   X-Blanks: a  b: c",
-                 "\"x\"\r\nVary: Accept-Encoding\r\nX-Empty: \r\nX-Blanks: a  b: c");
+    assert_block("today  ETag: \"x\"  Vary: Accept-Encoding  X-Empty:   X-Blanks: a  b: c",
+                 "today\r\nETag: \"x\"\r\nVary: Accept-Encoding\r\nX-Empty: \r\nX-Blanks: a  b: c");
 }
 
 static void the_longest_fit(void **state)
@@ -44,15 +46,14 @@ static void the_longest_fit(void **state)
     name[sizeof name - 1] = value[sizeof value - 1] = '\0';
     response.header_count = 0;
     while (response.header_count < SERVER_RESPONSE_HEADERS) add(name, value);
-    server_header_block_join(&block, &response);
-    assert_int_equal(strlen(block.value),
-                     SERVER_RESPONSE_HEADERS * (sizeof value - 1) + (SERVER_RESPONSE_HEADERS - 1) * (sizeof name + 3));
+    server_header_block_join(&block, &response, "today");
+    assert_int_equal(strlen(block.value), 5 + SERVER_RESPONSE_HEADERS * (sizeof value - 1 + sizeof name + 3));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lines_stand_in_the_first_ones_value),
+        cmocka_unit_test(lines_stand_in_the_dates_value),
         cmocka_unit_test(the_longest_fit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -276,6 +276,78 @@ static void polygons(void **state)
     gd_subdivision_release(wedge);
 }
 
+/* A corner inside of a smooth surface: it stays where it is, all ways from it begin along one axis, and there is no normal. */
+static void check_spike(const char *text, enum gd_scheme scheme, uint32_t face, uint32_t corner)
+{
+    struct gd_subdivision *surface = surface_from(text, scheme);
+    const double at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    double u = scheme == GD_SCHEME_LOOP && corner == 2 ? 0 : at[corner][0],
+           v = scheme == GD_SCHEME_LOOP && corner == 2 ? 1 : at[corner][1];
+    struct gd_limit_jet tip = jet_at(surface, face, 0, u, v);
+    assert_true(isnan(tip.normal.x) && isnan(tip.curvatures[0]) && tip.singular);
+    struct gd_vec3 axis = isnan(tip.du.x) ? tip.dv : tip.du;
+    check_close(gd_vec3_length(axis), 1, 1e-14);
+    if (!isnan(tip.du.x) && !isnan(tip.dv.x)) check_close(fabs(gd_vec3_dot(tip.du, tip.dv)), 1, 1e-14);
+    double r = ldexp(1, -24), inwards = scheme == GD_SCHEME_LOOP ? 1.0 / 3 : 0.5;
+    struct gd_vec3 beside = jet_at(surface, face, 0, u + r * (inwards - u), v + r * (inwards - v)).position;
+    struct gd_vec3 way = gd_vec3_sub(beside, tip.position);
+    way = gd_vec3_scale(way, 1 / gd_vec3_length(way));
+    check_close(gd_vec3_dot(way, axis), u + v > 0 ? -1 : 1, 1e-3);
+    gd_subdivision_release(surface);
+}
+
+static void spikes(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube = surface_from(SKEW_CUBE "t corner 1/1/0 4 10\n", GD_SCHEME_CATMULL_CLARK);
+    check_near(jet_at(cube, 0, 0, 0, 0).position, -1, -0.6, 1, 0);
+    gd_subdivision_release(cube);
+    check_spike(SKEW_CUBE "t corner 1/1/0 4 10\n", GD_SCHEME_CATMULL_CLARK, 0, 0);
+    check_spike(SKEW_CUBE "t corner 1/1/0 7 10\n", GD_SCHEME_CATMULL_CLARK, 0, 2);
+    check_spike(OCTAHEDRON "t corner 1/1/0 0 10\n", GD_SCHEME_LOOP, 0, 0);
+    check_spike(OCTAHEDRON "t corner 1/1/0 4 10\n", GD_SCHEME_LOOP, 0, 2);
+    cube =
+        surface_from(SKEW_CUBE "t corner 1/1/0 4 9.9\n", GD_SCHEME_CATMULL_CLARK); /* not for ever: smooth in the end */
+    check_close(gd_vec3_length(jet_at(cube, 0, 0, 0, 0).normal), 1, 1e-14);
+    gd_subdivision_release(cube);
+}
+
+/* A corner that is in the middle of its ring already is no spike: in an even plane nothing happens. */
+static void corner_in_a_plane(void **state)
+{
+    (void)state;
+    for (int triangles = 0; triangles < 2; triangles++) {
+        struct gd_control_mesh mesh;
+        make_sheet(4, triangles, &mesh);
+        for (uint32_t k = 0; k < 25; k++) {
+            const double even[3] = {k / 5, k % 5, 0};
+            memcpy(mesh.polygons.positions[k], even, sizeof even);
+        }
+        struct gd_corner corner = {12, 10};
+        mesh.corners = &corner, mesh.corner_count = 1;
+        struct gd_subdivision *sheet = surface_of(&mesh, triangles ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK);
+        uint32_t face = triangles ? 20 : 10; /* begins at vertex 12 */
+        check_near(jet_at(sheet, face, 0, 0, 0).position, 2, 2, 0, 1e-15);
+        check_near(jet_at(sheet, face, 0, 0, 0).normal, 0, 0, 1, 1e-14);
+        check_near(jet_at(sheet, face, 0, 0.25, 0.5).position, 2.25, 2.5, 0, 1e-14);
+        gd_subdivision_release(sheet);
+        mesh.corners = NULL, mesh.corner_count = 0;
+        gd_control_mesh_free(&mesh);
+    }
+}
+
+/* Control points in a line: there are positions, and no normals. */
+static void no_plane(void **state)
+{
+    (void)state;
+    struct gd_subdivision *line =
+        surface_from("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 2 3 4\n", GD_SCHEME_CATMULL_CLARK);
+    struct gd_limit_jet jet = jet_at(line, 0, 0, 0.5, 0.5);
+    check_near(jet.position, 1.5, 0, 0, 1e-15);
+    assert_true(isnan(jet.normal.x) && isnan(jet.curvatures[0]) && isnan(jet.curvatures[1]) && !jet.singular);
+    gd_subdivision_release(line);
+}
+
 /* Every face of real control meshes: quads with triangles, polygons, boundaries. */
 static void real_meshes(void **state)
 {
@@ -322,13 +394,22 @@ static void scales(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cube_values),  cmocka_unit_test(valence_five),
-        cmocka_unit_test(regular_grid), cmocka_unit_test(creased_cube),
-        cmocka_unit_test(semi_sharp),   cmocka_unit_test(fractional),
-        cmocka_unit_test(derivatives),  cmocka_unit_test(borders),
-        cmocka_unit_test(vertices),     cmocka_unit_test(boundary_vertices),
-        cmocka_unit_test(polygons),     cmocka_unit_test(real_meshes),
+        cmocka_unit_test(cube_values),
+        cmocka_unit_test(valence_five),
+        cmocka_unit_test(regular_grid),
+        cmocka_unit_test(creased_cube),
+        cmocka_unit_test(semi_sharp),
+        cmocka_unit_test(fractional),
+        cmocka_unit_test(derivatives),
+        cmocka_unit_test(borders),
+        cmocka_unit_test(vertices),
+        cmocka_unit_test(boundary_vertices),
+        cmocka_unit_test(polygons),
+        cmocka_unit_test(real_meshes),
         cmocka_unit_test(scales),
+        cmocka_unit_test(spikes),
+        cmocka_unit_test(corner_in_a_plane),
+        cmocka_unit_test(no_plane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

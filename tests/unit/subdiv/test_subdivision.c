@@ -95,9 +95,31 @@ static void tags(void **state)
     gd_control_mesh_free(&mesh);
 }
 
+/* More of them than a mesh of one triangle has sides (found by the fuzzer): they are no part of the surface, which is that of the triangle alone. */
+static void unreferenced_vertices(void **state)
+{
+    (void)state;
+    static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nt corner 1/1/0 1 2\n";
+    char text[2048];
+    size_t size = (size_t)snprintf(text, sizeof text, "%s", triangle);
+    for (int i = 0; i < 60; i++) size += (size_t)snprintf(text + size, sizeof text - size, "v %d 2 3\n", i);
+    struct gd_subdivision *alone = surface_from(triangle, GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *among = surface_from(text, GD_SCHEME_CATMULL_CLARK);
+    assert_int_equal(gd_subdivision_summary(among).vertex_count, 63);
+    for (uint32_t corner = 0; corner < 3; corner++) {
+        const struct gd_limit_point place = {.corner = corner, .u = 0.25, .v = 0.5};
+        struct gd_limit_jet expected, jet;
+        assert_int_equal(gd_limit_evaluate(alone, &place, &expected, NULL), GD_OK);
+        assert_int_equal(gd_limit_evaluate(among, &place, &jet, NULL), GD_OK);
+        assert_memory_equal(&jet.position, &expected.position, sizeof jet.position);
+    }
+    gd_subdivision_release(alone);
+    gd_subdivision_release(among);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(refused_by_name), cmocka_unit_test(summaries),
-                                       cmocka_unit_test(tags)};
+                                       cmocka_unit_test(tags), cmocka_unit_test(unreferenced_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,7 @@
 #include "lines.h"
 
 #include "gd/query.h"
-
-static struct gd_field *field_of(const struct gd_mesh *mesh, struct gd_point from)
-{
-    struct gd_seed seed = {.point = from};
-    struct gd_field *field;
-    struct gd_detail detail = {0};
-    check_ok(
-        gd_field_build(mesh, &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL, NULL, &field, &detail),
-        &detail);
-    return field;
-}
+#include "tests/support/field.h"
 
 /* Counts the vertices to which the map has another way than the path: as long, or it would be none of the shortest. */
 static void check_vertex(const struct gd_field *field, struct gd_point from, uint32_t index, double angle,
@@ -37,7 +27,7 @@ static void check_map(const struct gd_mesh *mesh, struct gd_point from)
 {
     uint32_t count = gd_mesh_summary(mesh)->index_count, others = 0;
     double *angles = malloc(2 * count * sizeof *angles), *lengths = angles + count;
-    struct gd_field *field = field_of(mesh, from);
+    struct gd_field *field = test_field_from(mesh, from);
     struct gd_detail detail = {0};
     check_ok(gd_vector_log_all(field, NULL, angles, lengths, &detail), &detail);
     for (uint32_t i = 0; i < count; i++) {
@@ -88,7 +78,7 @@ static void in_the_plane(void **state)
     uint32_t count = gd_mesh_summary(grid.mesh)->index_count;
     double *angles = malloc(2 * count * sizeof *angles), *lengths = angles + count;
     double zero = along(grid.mesh, from, 1, 0, 0).angle;
-    struct gd_field *field = field_of(grid.mesh, from);
+    struct gd_field *field = test_field_from(grid.mesh, from);
     check_ok(gd_vector_log_all(field, NULL, angles, lengths, NULL), NULL);
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 q = gd_mesh_position(grid.mesh, (struct gd_vertex){i});
@@ -115,7 +105,7 @@ static void other_fields_are_refused(void **state)
         assert_int_equal(gd_vector_log_all(field, NULL, angles, angles + count, NULL), GD_INVALID_ARGUMENT);
         gd_field_release(field);
     }
-    struct gd_field *field = field_of(grid.mesh, seeds[0].point);
+    struct gd_field *field = test_field_from(grid.mesh, seeds[0].point);
     struct gd_control control = {.budget_bytes = 100};
     assert_int_equal(gd_vector_log_all(field, &control, angles, angles + count, NULL), GD_BUDGET);
     control = (struct gd_control){.deadline_ns = 1};

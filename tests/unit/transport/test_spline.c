@@ -1,9 +1,12 @@
 /* Splines against the classical ones in the plane, and the laws that they keep on any surface. */
 #include "tests/unit/transport/lines.h"
 
+#include <pthread.h>
+
 #include "gd/frame.h"
 #include "gd/query.h"
 #include "gd/spline.h"
+#include "gd/workspace.h"
 
 enum { POINTS = 5 };
 
@@ -253,6 +256,110 @@ static bool never(void *user, double fraction)
     return false;
 }
 
+/* --- two searches at a time ---------------------------------------------------------------------------------------------- */
+
+struct task {
+    void (*run)(void *context, uint32_t index);
+    void *context;
+};
+
+static void *do_first(void *user)
+{
+    struct task *task = user;
+    task->run(task->context, 0);
+    return NULL;
+}
+
+/* An executor of two threads: the caller's takes the second task. */
+static void run_on_two(void *user, void (*task)(void *context, uint32_t index), void *context, uint32_t count)
+{
+    pthread_t thread;
+    struct task first = {task, context};
+    (void)user;
+    assert_int_equal(count, 2);
+    assert_int_equal(pthread_create(&thread, NULL, do_first, &first), 0);
+    task(context, 1);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+}
+
+struct listener {
+    pthread_t home;
+    double heard;
+    uint32_t calls, most;
+};
+
+static bool listen_to(void *user, double fraction)
+{
+    struct listener *listener = user;
+    assert_true(pthread_equal(listener->home, pthread_self()));
+    assert_true(fraction >= listener->heard && fraction <= 1);
+    listener->heard = fraction;
+    return ++listener->calls < listener->most;
+}
+
+static void check_same(const struct gd_spline *a, const struct gd_spline *b)
+{
+    assert_int_equal(a->count, b->count);
+    for (uint32_t i = 0; i < a->count; i++) {
+        assert_true(a->segments[i].distance == b->segments[i].distance && a->segments[i].end == b->segments[i].end);
+        for (int k = 0; k < 4; k++) assert_true(gd_point_equal(&a->segments[i].control[k], &b->segments[i].control[k]));
+    }
+}
+
+/* With any executor the spline is the same to the last bit; progress is heard on the caller's thread and never falls; a search that is no longer wanted ends. */
+static void two_at_a_time(void **state)
+{
+    (void)state;
+    enum { MANY = 9 };
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){60, 40, 1, 0.4});
+    struct rng rng = {17};
+    struct gd_point points[MANY];
+    random_points(&torus, &rng, points, MANY);
+    const struct gd_executor executor = {.width = 2, .run = run_on_two};
+    struct gd_control control = {.workspace = gd_workspace_create()};
+    for (int way = 0; way < 8; way++) {
+        struct gd_spline_request request = {.points = points,
+                                            .count = MANY,
+                                            .closed = way & 1,
+                                            .alpha = 0.5,
+                                            .tangent_rule = way & 2 ? GD_TANGENT_PAPER : GD_TANGENT_SYMMETRIC};
+        struct gd_spline alone = build(torus.mesh, &request), together;
+        struct listener listener = {.home = pthread_self(), .most = UINT32_MAX};
+        request.executor = &executor;
+        control.progress = listen_to;
+        control.user = &listener;
+        control.budget_bytes = way & 4 ? (size_t)64 << 20 : 0;
+        check_ok(gd_spline_build(torus.mesh, &request, &control, &together, NULL), NULL);
+        check_same(&alone, &together);
+        gd_spline_free(&together);
+        assert_true(listener.calls > 0);
+        listener = (struct listener){.home = pthread_self(), .most = 3};
+        assert_int_equal(gd_spline_build(torus.mesh, &request, &control, &together, NULL), GD_CANCELLED);
+        gd_spline_free(&alone);
+    }
+    gd_workspace_destroy(control.workspace);
+    surface_free(&torus);
+}
+
+/* The least budget that is enough for one search at a time is enough with an executor. */
+static void two_within_the_budget_of_one(void **state)
+{
+    (void)state;
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){60, 40, 1, 0.4});
+    struct gd_point points[3] = {vertex(torus.mesh, 3), vertex(torus.mesh, 900), vertex(torus.mesh, 1500)};
+    const struct gd_executor executor = {.width = 2, .run = run_on_two};
+    struct gd_spline_request request = {.points = points, .count = 3};
+    struct gd_control control = {0};
+    struct gd_spline spline;
+    for (control.budget_bytes = 1024; gd_spline_build(torus.mesh, &request, &control, &spline, NULL) == GD_BUDGET;)
+        control.budget_bytes += control.budget_bytes / 8;
+    gd_spline_free(&spline);
+    request.executor = &executor;
+    check_ok(gd_spline_build(torus.mesh, &request, &control, &spline, NULL), NULL);
+    gd_spline_free(&spline);
+    surface_free(&torus);
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -293,6 +400,8 @@ int main(void)
                                        cmocka_unit_test(laws_on_shared_meshes),
                                        cmocka_unit_test(any_scale),
                                        cmocka_unit_test(lengths),
+                                       cmocka_unit_test(two_at_a_time),
+                                       cmocka_unit_test(two_within_the_budget_of_one),
                                        cmocka_unit_test(refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -625,6 +625,47 @@ static void limits(void **state)
     surface_free(&torus);
 }
 
+/* Several at once are what they are one by one, to the last bit, whatever each meets; and fail together. */
+static void many(void **state)
+{
+    (void)state;
+    struct surface terrain = surface_of("terrain", (double[SAMPLE_PARAMETERS]){24, 1, 2});
+    struct gd_point start = nearest(terrain.mesh, 0.4, 0.6, 0);
+    struct gd_direction ahead[GD_TRACE_LANES];
+    for (uint32_t i = 0; i < GD_TRACE_LANES; i++) ahead[i] = gd_trace_fan(terrain.mesh, &start, GD_TRACE_LANES, i);
+    const struct gd_trace_options options[] = {{.vertex_rule = GD_VERTEX_RULE_NORMAL},
+                                               {.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .step_limit = 40},
+                                               {.stop_at_self_intersection = true}};
+    struct gd_trace traces[GD_TRACE_LANES];
+    for (uint32_t n = 0; n < 3 * COUNT(options); n++) {
+        const struct gd_trace_options *how = &options[n / 3];
+        double length = n % 3 * 1.3;
+        check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, length, how, NULL, traces, NULL),
+                 NULL);
+        for (uint32_t i = 0; i < GD_TRACE_LANES; i++) {
+            struct gd_trace alone = follow(terrain.mesh, start, ahead[i], length, how);
+            assert_int_equal(traces[i].path.count, alone.path.count);
+            assert_int_equal(traces[i].end, alone.end);
+            assert_true(traces[i].path.length == alone.path.length &&
+                        traces[i].direction.angle == alone.direction.angle);
+            for (uint32_t k = 0; k < alone.path.count; k++)
+                assert_true(gd_point_equal(&traces[i].path.points[k], &alone.path.points[k]));
+            gd_trace_free(&alone);
+            gd_trace_free(&traces[i]);
+        }
+    }
+    struct gd_control control = {.budget_bytes = 8192}; /* enough for one, and not for all */
+    check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, 1, 0.1, NULL, &control, traces, NULL), NULL);
+    gd_trace_free(&traces[0]);
+    assert_int_equal(
+        gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, &control, traces, NULL),
+        GD_BUDGET);
+    ahead[5].angle = NAN;
+    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, NULL, traces, NULL),
+                     GD_INVALID_ARGUMENT);
+    surface_free(&terrain);
+}
+
 static void fans(void **state)
 {
     (void)state;
@@ -668,6 +709,7 @@ int main(void)
         cmocka_unit_test(comes_round_to_a_vertex),
         cmocka_unit_test(comes_round),
         cmocka_unit_test(limits),
+        cmocka_unit_test(many),
         cmocka_unit_test(fans),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,62 @@
+/* See place.h. */
+#include "server/place.h"
+
+#include <sched.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#define HTTP_NICE   (-3)
+#define WORKER_NICE 10
+#define LOOK_NS     UINT64_C(10000000) /* a thread that speaks HTTP is moved so often at most */
+
+/* The n-th of the cores that the set has. */
+static int find_core(const cpu_set_t *cores, unsigned n)
+{
+    int core = 0;
+    while (!CPU_ISSET(core, cores) || n--) core++;
+    return core;
+}
+
+static void set_nice(int nice)
+{
+    (void)setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), nice); /* of this thread only */
+}
+
+/* What is known of the calling thread. */
+struct place {
+    bool is_known, can_move; /* there are as many cores as threads */
+    bool is_at_home;         /* bound to its own core */
+    uint64_t looked_ns;
+    cpu_set_t all, own;
+};
+
+static void find_place(struct place *place, uint32_t threads)
+{
+    static atomic_uint placed;
+    place->is_known = true;
+    set_nice(HTTP_NICE);
+    place->can_move =
+        sched_getaffinity(0, sizeof place->all, &place->all) == 0 && (uint32_t)CPU_COUNT(&place->all) == threads;
+    if (!place->can_move) return;
+    CPU_ZERO(&place->own);
+    CPU_SET(find_core(&place->all, atomic_fetch_add(&placed, 1) % threads), &place->own);
+}
+
+void server_place_http(uint32_t threads, bool is_crowded, uint64_t now_ns)
+{
+    static _Thread_local struct place place;
+    if (!place.is_known) find_place(&place, threads);
+    if (!place.can_move || place.is_at_home != is_crowded || now_ns - place.looked_ns < LOOK_NS) return;
+    place.looked_ns = now_ns;
+    place.is_at_home = !is_crowded;
+    (void)sched_setaffinity(0, sizeof place.all, is_crowded ? &place.all : &place.own);
+}
+
+void server_place_worker(void)
+{
+    set_nice(WORKER_NICE);
+}

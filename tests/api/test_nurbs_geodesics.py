@@ -1,0 +1,213 @@
+"""Shortest paths between two points of a NURBS or other parametric surface, against closed forms; and their deadlines."""
+import math
+import random
+import time
+import unittest
+
+from nurbs import ANNULUS, CONE, CYLINDER, HELICOID, PI, PLANE, SADDLE, TORUS, Nurbs, bumps, rational_sphere, rational_torus, spline_at, wavy
+
+
+class Geodesics(Nurbs):
+    surfaces = {"ring": TORUS, "torus": rational_torus(), "sphere": rational_sphere(), "saddle": SADDLE, "plane": PLANE,
+                "cylinder": CYLINDER, "cone": CONE, "annulus": ANNULUS, "bumps": bumps(8, 4, 0.5, 1), "helicoid": HELICOID}
+
+    def geodesic(self, name, a, b, **options):
+        return self.ask(name, "geodesic", {"from": a, "to": b, **options})
+
+    def assert_proved(self, answer):
+        self.assertTrue(answer["converged"] and answer["is_minimum"] and not answer["boundary_contact"], answer["warnings"])
+        self.assertLess(answer["residual"], 1e-8)
+        self.assertLess(answer["error_estimate"], 1e-10 * max(1, answer["length"]))
+
+    def test_closed_forms(self):
+        at = lambda u, v: [u, v]
+        straight = lambda u, v, r: math.hypot(r * u, v)
+        apex = math.hypot(1, 3)  # of the cone: its slant from the apex to v = 0; the slant to v is (1 + v) apex
+        slant = lambda v: (1 + v) * apex
+        turned = lambda u, v, w: math.sqrt(slant(v) ** 2 + slant(w) ** 2 - 2 * slant(v) * slant(w) * math.cos(u / apex))
+        for name, a, b, expected in (
+            ("plane", [-3, 1], [2.5, -3.5], math.hypot(5.5, 4.5)),
+            ("cylinder", [0.2, 0.1], [1.9, 0.8], math.hypot(1.7, 3.5)),
+            ("cylinder", [0.1, 0.5], [2 * PI - 0.4, 0.5], 0.5),
+            ("cone", [0.3, 0.2], [1.7, 0.9], turned(1.4, 0.2, 0.9)),
+            ("saddle", [0, 0], [1, 1], 1.797852788781883),
+            ("ring", [0, 0], [PI / 2, PI / 2], 4.0618928974654),
+            ("ring", [0.3, 2.0], [2.1, 4.0], 2.8552575338283),
+        ):
+            with self.subTest(name=name, a=a):
+                answer = self.geodesic(name, at(*a), at(*b))
+                self.assert_near(answer["length"], expected)
+                self.assert_proved(answer)
+        self.assertEqual(straight(0, 1, 1), 1)
+
+    def test_the_sphere(self):
+        """Great circles, beside the poles and through one."""
+        chance = random.Random(3)
+        for _ in range(12):
+            a, b = ([chance.random(), chance.uniform(0.1, 0.9)] for _ in range(2))
+            answer = self.geodesic("sphere", a, b)
+            p, q = (point["xyz"] for point in self.ask("sphere", "evaluate", {"uv": [a, b]})["points"])
+            cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+            self.assert_near(answer["length"], math.atan2(math.hypot(*cross), sum(x * y for x, y in zip(p, q))))
+            self.assert_proved(answer)
+        through = self.geodesic("sphere", [0.125, 0.75], [0.625, 0.9])
+        p, q = (point["xyz"] for point in self.ask("sphere", "evaluate", {"uv": [[0.125, 0.75], [0.625, 0.9]]})["points"])
+        self.assert_near(through["length"], math.acos(p[2]) + math.acos(q[2]))
+        self.assertEqual(through["warnings"], ["through_pole"])
+
+    def test_the_rational_torus_is_the_torus(self):
+        quarter = lambda angle: {0: 0, PI / 2: 0.25}[angle]
+        answer = self.geodesic("torus", [0, 0], [quarter(PI / 2), quarter(PI / 2)])
+        self.assert_near(answer["length"], 4.0618928974654)
+        self.assert_proved(answer)
+
+    def test_symmetric(self):
+        for name, a, b in (("bumps", [0.1, 0.1], [0.9, 0.8]), ("torus", [0.1, 0.2], [0.55, 0.8])):
+            there, back = self.geodesic(name, a, b), self.geodesic(name, b, a)
+            self.assert_near(there["length"], back["length"], 1e-12)
+
+    def check_curve(self, name, answer):
+        """The B-spline of the answer is what its points are of, and is as long as it says."""
+        degree, knots, points = answer["degree"], answer["knots"], answer["control_points"]
+        self.assertEqual(len(knots), len(points) + degree + 1)
+        self.assertEqual(knots, sorted(knots))
+        samples, last = answer["points"], knots[-1]
+        for i in range(0, len(samples), 7):
+            place = spline_at(degree, knots, points, last * i / (len(samples) - 1))
+            self.assert_close(place, samples[i]["uv"], 1e-9)
+        evaluated = self.ask(name, "evaluate", {"uv": [sample["uv"] for sample in samples]})["points"]
+        for point, sample in zip(evaluated, samples):
+            self.assert_close(point["xyz"], sample["xyz"], 1e-12)
+        chords = sum(math.dist(a["xyz"], b["xyz"]) for a, b in zip(samples, samples[1:]))
+        self.assertLess(answer["length"] - chords, 1e-5 * answer["length"])
+        self.assertGreaterEqual(answer["length"], chords - 1e-12)
+
+    def test_the_curve(self):
+        for name, a, b in (("bumps", [0.05, 0.1], [0.95, 0.8]), ("torus", [0.9, 0.1], [0.2, 0.45]), ("ring", [6, 1], [7.5, 2.2])):
+            with self.subTest(name=name):
+                answer = self.geodesic(name, a, b, samples=701)
+                self.assertEqual(len(answer["points"]), 701)
+                self.check_curve(name, answer)
+        through = self.geodesic("sphere", [0.125, 0.75], [0.625, 0.9])
+        self.assertEqual(len(through["knots"]), len(through["control_points"]) + through["degree"] + 1)
+        pole = [knot for knot in set(through["knots"]) if through["knots"].count(knot) == through["degree"] + 1]
+        self.assertEqual(len(pole), 3)  # both ends, and the pole
+
+    def test_as_the_paper(self):
+        """One B-spline of so many control points: errors fall, and the curve is never shorter than the shortest."""
+        exact = self.geodesic("bumps", [0.1, 0.1], [0.9, 0.8])["length"]
+        for degree, most in ((2, 1e-5), (3, 1e-6)):
+            errors = []
+            for count in (4, 8, 16, 32):
+                answer = self.geodesic("bumps", [0.1, 0.1], [0.9, 0.8], control_points=count, degree=degree)
+                self.assertEqual((len(answer["control_points"]), answer["degree"]), (count, degree))
+                errors.append(answer["length"] / exact - 1)
+            self.assertTrue(all(error > -1e-11 for error in errors), errors)
+            self.assertTrue(all(b < a for a, b in zip(errors, errors[1:])), errors)
+            self.assertLess(errors[-1], most)
+
+    def test_all_minima(self):
+        """Around the cylinder there are two ways, and the straight line is not always the only one on a torus."""
+        answer = self.geodesic("cylinder", [0, 0], [2.5, 0.2], all_minima=True)
+        lengths = [way["length"] for way in answer["minima"]]
+        for k, found in enumerate(lengths[:2]):
+            self.assert_near(found, math.hypot((2.5, 2 * PI - 2.5)[k], 1))
+        self.assertEqual(lengths, sorted(lengths))
+        self.assertEqual(answer["length"], lengths[0])
+        self.assertTrue(all(way["is_minimum"] for way in answer["minima"]))
+        self.assertNotIn("minima", self.geodesic("cylinder", [0, 0], [2.5, 0.2]))
+
+    def test_along_the_border(self):
+        """Around the hole of an annulus: two tangents and an arc of its rim."""
+        answer = self.geodesic("annulus", [0, 0.1], [PI, 0.1])
+        self.assert_near(answer["length"], 2 * math.sqrt(1.2**2 - 1) + PI - 2 * math.acos(1 / 1.2), 1e-9)
+        self.assertTrue(answer["boundary_contact"])
+        self.assertIn("boundary_contact", answer["warnings"])
+
+    def test_geometry_and_fields(self):
+        ask = lambda options: self.ask("saddle", "geodesic", {"from": [0, 0], "to": [1, 1], "samples": 3}, options)
+        self.assertEqual(set(ask("?fields=length,ends")), {"length", "ends"})
+        self.assertEqual(ask("?geometry=xyz&fields=points")["points"][::2], [[0, 0, 0], [1, 1, 1]])
+        self.assertNotIn("points", ask("?geometry=none"))
+        self.assertEqual(ask("?fields=ends"), {"ends": {"from": {"uv": [0, 0], "xyz": [0, 0, 0]}, "to": {"uv": [1, 1], "xyz": [1, 1, 1]}}})
+
+    def test_the_same_place(self):
+        for a, b in (([0.5, 0.5], [0.5, 0.5]), ([0, 1], [2 * PI, 1 - 2 * PI])):
+            name = "saddle" if a == b else "ring"
+            answer = self.geodesic(name, a, b)
+            self.assertEqual((answer["length"], answer["control_points"], answer["knots"], len(answer["points"])), (0, [], [], 1))
+            self.assertTrue(answer["is_minimum"] and answer["converged"])
+
+    def test_requests_that_can_not_be(self):
+        good = {"from": [0, 0], "to": [1, 1]}
+        for pointer, document in (
+            ("/to", {"from": [0, 0]}), ("/from", {"from": 3, "to": [0, 0]}), ("/from", {"from": [1, 2, 3], "to": [0, 0]}),
+            ("/degree", {**good, "degree": 1}), ("/degree", {**good, "degree": 6}), ("/control_points", {**good, "control_points": 3}),
+            ("/control_points", {**good, "degree": 5, "control_points": 5}), ("/tolerance", {**good, "tolerance": 0}),
+            ("/tolerance", {**good, "tolerance": 1e-15}), ("/all_minima", {**good, "all_minima": 1}), ("/samples", {**good, "samples": 1}),
+            ("/samples", {**good, "samples": 20000}), ("/via", {**good, "via": [0, 0]}),
+        ):
+            with self.subTest(document=document):
+                self.assertEqual(self.refusal("saddle", "geodesic", document)["pointer"], pointer)
+        outside = self.refusal("saddle", "geodesic", {"from": [0, 0], "to": [1, 2]}, 422, "point_not_on_surface")
+        self.assertEqual(outside["pointer"], "/to")
+        self.assertEqual(self.post("saddle", "geodesic", good, If_Match='"stale"').status, 412)
+        self.assertEqual(self.daemon.get("/v1/nurbs/saddle/geodesic").status, 405)
+
+
+class Time(Nurbs):
+    """Work of seconds ends when it is not wanted any more."""
+
+    flags = ("--workers", "2")
+    surfaces = {"hills": bumps(60, 60, 0.3, 7)}
+    HARD = {"a": wavy(2500, 0.25, 0.25, 0.2, 0.02, 40), "b": wavy(2500, 0.75, 0.75, 0.2, 0.02, 40), "all_minima": True, "tolerance": 1e-14}
+    LATE = 1.0  # seconds of patience with a machine that does other things; the whole takes many
+
+    def test_deadlines(self):
+        for wanted in (1, 30, 100, 250):
+            begun = time.monotonic()
+            answer = self.post("hills", "curve-distance", self.HARD, f"?timeout_ms={wanted}")
+            taken = time.monotonic() - begun
+            self.assert_problem(answer, 504, "deadline_exceeded")
+            self.assertLess(taken, wanted / 1000 + self.LATE)
+
+    def test_cancelled_jobs(self):
+        accepted = self.post("hills", "curve-distance", self.HARD, Prefer="respond-async")
+        self.assertEqual(accepted.status, 202, accepted)
+        place = accepted.headers["Location"]
+        until = time.monotonic() + 30
+        while self.daemon.get(place).json["state"] == "queued":
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.002)
+        time.sleep(0.1)
+        self.assertEqual(self.daemon.get(place).json["state"], "running")
+        begun = time.monotonic()
+        self.assertEqual(self.daemon.request("DELETE", place).status, 204)
+        while self.daemon.metric("workers_busy") > 0:
+            self.assertLess(time.monotonic() - begun, self.LATE)
+            time.sleep(0.002)
+
+    def test_as_a_job(self):
+        accepted = self.post("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]}, Prefer="respond-async")
+        until = time.monotonic() + 30
+        while (job := self.daemon.get(accepted.headers["Location"]).json)["state"] in ("queued", "running"):
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.01)
+        self.assertEqual(job["state"], "done", job)
+        self.assert_near(job["result"]["length"], self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})["length"], 1e-15)
+
+    def test_memory_is_given_back(self):
+        flight = lambda: self.daemon.get("/metrics").body.decode().split('memory_bytes{class="flight"} ')[1].split("\n")[0]
+        self.ask("hills", "geodesic", {"from": [0.45, 0.5], "to": [0.55, 0.5]})
+        self.post("hills", "curve-distance", self.HARD, "?timeout_ms=50")
+        self.ask("hills", "nearest", {"xyz": [1, 2, 3]})
+        self.ask("hills", "evaluate", {"uv": [[0.1, 0.1]] * 5000})
+        self.post("hills", "tessellate", {"mesh": "hills", "resolution": [20, 20]})
+        until = time.monotonic() + 30
+        while flight() != "0":
+            self.assertLess(time.monotonic(), until, flight())
+            time.sleep(0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()

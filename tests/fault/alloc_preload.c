@@ -1,0 +1,113 @@
+/* A library to preload, which makes allocations of a whole process fail (its own, its libraries' and libc's) as the file ALLOC_CONTROL says: a
+ * struct control, mapped by the process and by who gives the orders (alloc.py). */
+#include "stacks.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+enum order { ORDER_FINE, ORDER_FRESH, ORDER_LASTING };
+
+struct control {
+    _Atomic uint32_t
+        order; /* FRESH: the first call that comes by a way by which none has failed; LASTING: and all behind it */
+    _Atomic uint32_t failures; /* since the giver of orders set it to 0 */
+    _Atomic int64_t blocks;    /* held */
+    struct stacks stacks;      /* ways of calling that have failed */
+    struct stacks sites;       /* return addresses of calls that have failed */
+};
+
+static struct control *control;
+static __thread bool is_inside __attribute__((tls_model("initial-exec"))); /* this file's own calls don't fail */
+
+__attribute__((constructor)) static void open_control(void)
+{
+    const char *path = getenv("ALLOC_CONTROL");
+    int file = path ? open(path, O_RDWR | O_CLOEXEC) : -1;
+    if (file < 0) return;
+    stacks_here(); /* loads what it needs */
+    void *pages = mmap(NULL, sizeof *control, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    close(file);
+    if (pages != MAP_FAILED) control = pages;
+}
+
+static __attribute__((noinline)) bool fails(const void *site)
+{
+    if (!control || is_inside || control->order == ORDER_FINE) return false;
+    is_inside = true;
+    bool failed = control->failures ? control->order == ORDER_LASTING : stacks_add(&control->stacks, stacks_here());
+    if (failed) {
+        stacks_add(&control->sites, (uintptr_t)site);
+        control->failures++;
+        errno = ENOMEM;
+    }
+    is_inside = false;
+    return failed;
+}
+
+#define FAILS() fails(__builtin_return_address(0))
+
+static void *held(void *block)
+{
+    if (block && control) control->blocks++;
+    return block;
+}
+
+/* glibc's own, which need no looking up. */
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *block, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+void __libc_free(void *block);
+
+void *malloc(size_t size)
+{
+    return FAILS() ? NULL : held(__libc_malloc(size));
+}
+
+void *calloc(size_t count, size_t size)
+{
+    return FAILS() ? NULL : held(__libc_calloc(count, size));
+}
+
+void *realloc(void *block, size_t size)
+{
+    if (FAILS()) return NULL;
+    void *moved = __libc_realloc(block, size);
+    return block ? moved : held(moved);
+}
+
+void *aligned_alloc(size_t alignment, size_t size)
+{
+    return FAILS() ? NULL : held(__libc_memalign(alignment, size));
+}
+
+void *memalign(size_t alignment, size_t size)
+{
+    return FAILS() ? NULL : held(__libc_memalign(alignment, size));
+}
+
+int posix_memalign(void **out, size_t alignment, size_t size)
+{
+    if (FAILS()) return ENOMEM;
+    void *block = held(__libc_memalign(alignment, size));
+    if (block) *out = block;
+    return block ? 0 : ENOMEM;
+}
+
+void free(void *block)
+{
+    if (block && control) control->blocks--;
+    __libc_free(block);
+}
+
+void *mmap(void *at, size_t size, int protection, int flags, int file, off_t offset)
+{
+    static void *(*real)(void *, size_t, int, int, int, off_t);
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "mmap");
+    return FAILS() ? MAP_FAILED : real(at, size, protection, flags, file, offset);
+}

@@ -1,0 +1,58 @@
+/* Stacks: which ways of calling have been seen, so that each is made to fail once. Threads may share a set; it lies in shared memory, so that
+ * processes may, too. */
+#ifndef TESTS_FAULT_STACKS_H
+#define TESTS_FAULT_STACKS_H
+
+#include <execinfo.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { STACKS_SLOTS = 1 << 16, STACKS_DEPTH = 24 };
+
+/* All zero: empty. */
+struct stacks {
+    _Atomic uint32_t count;
+    _Atomic uint64_t keys[STACKS_SLOTS];
+};
+
+/* Was it new? A full set takes all for known. */
+static inline bool stacks_add(struct stacks *stacks, uint64_t key)
+{
+    key += !key;
+    for (uint32_t i = 0; i < STACKS_SLOTS; i++) {
+        uint64_t there = 0;
+        _Atomic uint64_t *slot = &stacks->keys[(key + i) % STACKS_SLOTS];
+        if (atomic_compare_exchange_strong(slot, &there, key)) {
+            atomic_fetch_add(&stacks->count, 1);
+            return true;
+        }
+        if (there == key) return false;
+    }
+    return false;
+}
+
+static inline bool stacks_has(struct stacks *stacks, uint64_t key)
+{
+    key += !key;
+    for (uint32_t i = 0; i < STACKS_SLOTS; i++) {
+        uint64_t there = atomic_load(&stacks->keys[(key + i) % STACKS_SLOTS]);
+        if (!there || there == key) return there == key;
+    }
+    return false;
+}
+
+/* The return addresses from the caller's caller on. Its first call in a process allocates. */
+static inline uint64_t stacks_here(void)
+{
+    void *frames[STACKS_DEPTH];
+    int count = backtrace(frames, STACKS_DEPTH);
+    uint64_t key = 0xcbf29ce484222325u;
+    for (int i = 2; i < count; i++) {
+        key = (key ^ (uintptr_t)frames[i]) * 0x100000001b3u;
+        key ^= key >> 29;
+    }
+    return key;
+}
+
+#endif

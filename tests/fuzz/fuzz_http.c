@@ -1,0 +1,118 @@
+/* Fuzzes the daemon through its socket: the input is what a client sends, but for its first byte, which says how the client ends: it shuts its side down at
+ * once, or asks for one thing more, behind which the daemon closes, and shuts down only after a silence. Whatever is sent, the daemon hangs up in
+ * the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it goes on answering /livez. Behind the socket is all of it: grammar,
+ * library, router, handlers, workers and engine. */
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "server/server.h"
+
+enum {
+    ANSWER_BYTES = 1 << 16,
+    REFRESH = 128,   /* inputs, after which the mesh is uploaded again */
+    SILENCE_MS = 10, /* of a daemon that waits for more */
+};
+
+static const char last[] = "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static struct server *server;
+static uint64_t inputs;
+
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+/* --- the daemon ------------------------------------------------------------------------------------------------------ */
+
+static void stop(void)
+{
+    server_stop(server);
+}
+
+static void start(void)
+{
+    static char *const flags[] = {
+        "geodesicd", "--listen",        "127.0.0.1:0", "--store",     "memory", "--workers",   "1",    "--http-threads",
+        "1",         "--memory-budget", "64MiB",       "--max-body",  "64KiB",  "--max-faces", "2000", "--timeout-ms",
+        "200",       "--landmarks",     "0",           "--log-level", "error",  "--max-jobs",  "50",   "--drain-ms",
+        "100"};
+    struct server_config config;
+    char error[512];
+    require(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) == SERVER_CONFIG_RUN);
+    server_log_set_level(config.log_level);
+    server = server_start(&config, error, sizeof error);
+    require(server != NULL);
+    atexit(stop);
+}
+
+/* --- a client -------------------------------------------------------------------------------------------------------- */
+
+/* A connection that leaves nothing behind: a client in TIME_WAIT for each input would use up the ports. */
+static int join(void)
+{
+    const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
+    int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), on = 1;
+    require(client >= 0 && connect(client, address, server->config.listen.size) == 0);
+    setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    setsockopt(client, SOL_SOCKET, SO_LINGER, &(struct linger){.l_onoff = 1}, sizeof(struct linger));
+    return client;
+}
+
+/* Sends in two pieces, and reads until the daemon hangs up; how much of the answer there is in `answer`. */
+static size_t exchange(const char *bytes, size_t size, bool asks_more, char answer[ANSWER_BYTES + 1])
+{
+    struct pollfd poll_of = {.fd = join(), .events = POLLIN};
+    const int client = poll_of.fd;
+    size_t first = size / 2, have = 0;
+    ssize_t got = 0;
+    if (send(client, bytes, first, MSG_NOSIGNAL) == (ssize_t)first)
+        (void)!send(client, bytes + first, size - first, MSG_NOSIGNAL);
+    if (asks_more) (void)!send(client, last, sizeof last - 1, MSG_NOSIGNAL);
+    while (have < ANSWER_BYTES) {
+        if (!asks_more || poll(&poll_of, 1, SILENCE_MS) == 0) shutdown(client, SHUT_WR);
+        if ((got = read(client, answer + have, ANSWER_BYTES - have)) <= 0) break;
+        have += (size_t)got;
+    }
+    answer[have] = '\0';
+    close(client);
+    return have;
+}
+
+static void upload(void)
+{
+    static const char request[] = "PUT /v1/meshes/m HTTP/1.1\r\nHost: localhost\r\nContent-Length: 64\r\n\r\n"
+                                  "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    static char answer[ANSWER_BYTES + 1];
+    require(exchange(request, sizeof request - 1, true, answer) > 0 && strncmp(answer, "HTTP/1.1 20", 11) == 0);
+}
+
+static void require_life(void)
+{
+    static char answer[ANSWER_BYTES + 1];
+    require(exchange("", 0, true, answer) > 0 && strncmp(answer, "HTTP/1.1 200 ", 13) == 0);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static char answer[ANSWER_BYTES + 1];
+    if (!server) start();
+    if (size == 0) return 0;
+    if (inputs++ % REFRESH == 0) {
+        require_life();
+        upload();
+    }
+    size_t length = exchange((const char *)data + 1, size - 1, data[0] & 1, answer);
+    require(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
+    require(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL); /* no body has a CR LF */
+    return 0;
+}

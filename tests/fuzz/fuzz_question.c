@@ -1,0 +1,141 @@
+/* Fuzzes what decodes the questions that a mesh is asked as JSON. The first byte picks the decoder, the rest is its input. What is refused has a
+ * sentence; what is taken is freed (request.c and set.c go on from there with the questions about pairs and sets). */
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/curve_distance.h"
+#include "proto/curve_operation.h"
+#include "proto/cut.h"
+#include "proto/decode.h"
+#include "proto/isoline.h"
+#include "proto/mean.h"
+#include "proto/nearest.h"
+#include "proto/sampling.h"
+#include "proto/spline.h"
+#include "proto/tessellation.h"
+#include "proto/trace.h"
+#include "proto/vector.h"
+#include "proto/voronoi.h"
+#include "proto/writer.h"
+
+enum { MOST_FACES = 100000 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+static void require_sentence(const struct proto_problem *problem)
+{
+    struct proto_writer writer;
+    require(problem->detail[0] != '\0');
+    proto_writer_init(&writer, 65536);
+    proto_problem_encode(&writer, problem);
+    json_t *back = json_loadb(writer.data, writer.size, JSON_REJECT_DUPLICATES, NULL);
+    require(back != NULL);
+    json_decref(back);
+    proto_writer_free(&writer);
+}
+
+/* A decoder whose result has a function that frees it. */
+#define DECODES(name, type)                                                                                            \
+    static bool decode_##name(const json_t *document, struct proto_problem *problem)                                   \
+    {                                                                                                                  \
+        struct proto_##type out;                                                                                       \
+        bool is_taken = proto_##name##_decode(document, &out, problem);                                                \
+        if (is_taken) proto_##type##_free(&out);                                                                       \
+        return is_taken;                                                                                               \
+    }
+DECODES(curve_distance, curve_distance)
+DECODES(curve_operation, curve_operation)
+DECODES(cut, cut)
+DECODES(isolines, isolines)
+DECODES(mean, mean)
+DECODES(trace, trace)
+
+static bool decode_spline(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_spline spline;
+    bool is_taken = proto_spline_decode(document, "", false, &spline, problem);
+    if (is_taken) proto_spline_free(&spline);
+    return is_taken;
+}
+
+static bool decode_voronoi(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_voronoi voronoi;
+    bool is_taken = proto_voronoi_decode(document, &voronoi, problem);
+    if (is_taken) proto_set_free(&voronoi.set);
+    return is_taken;
+}
+
+static bool decode_exp(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_exp wanted;
+    bool is_taken = proto_exp_decode(document, &wanted, problem);
+    if (is_taken) proto_vectors_free(&wanted.vectors);
+    return is_taken;
+}
+
+static bool decode_log(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_log wanted;
+    bool is_taken = proto_log_decode(document, &wanted, problem);
+    if (is_taken) proto_points_free(&wanted.to);
+    return is_taken;
+}
+
+static bool decode_transport(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_transport wanted;
+    bool is_taken = proto_transport_decode(document, &wanted, problem);
+    if (is_taken) {
+        proto_points_free(&wanted.ends);
+        proto_vectors_free(&wanted.vectors);
+    }
+    return is_taken;
+}
+
+static bool decode_nearest(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_nearest wanted;
+    return proto_nearest_decode(document, &wanted, problem);
+}
+
+static bool decode_sampling(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_sampling wanted;
+    bool is_taken = proto_sampling_decode(document, &wanted, problem);
+    require(!is_taken || wanted.count > 0);
+    return is_taken;
+}
+
+static bool decode_tessellation(const json_t *document, struct proto_problem *problem)
+{
+    struct proto_tessellation wanted;
+    bool is_taken = proto_tessellation_decode(document, MOST_FACES, &wanted, problem);
+    require(!is_taken || wanted.mesh[0] != '\0');
+    return is_taken;
+}
+
+static bool (*const decoders[])(const json_t *document, struct proto_problem *problem) = {
+    decode_curve_distance, decode_curve_operation, decode_cut,      decode_isolines,    decode_mean,
+    decode_trace,          decode_spline,          decode_voronoi,  decode_exp,         decode_log,
+    decode_transport,      decode_nearest,         decode_sampling, decode_tessellation};
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0) return 0;
+    char *text = malloc(size); /* exactly as large: overruns are seen */
+    require(text != NULL);
+    memcpy(text, data + 1, size - 1);
+    struct proto_problem problem;
+    json_t *document = proto_decode_document(text, size - 1, &problem);
+    if (!document || !decoders[data[0] % (sizeof decoders / sizeof *decoders)](document, &problem))
+        require_sentence(&problem);
+    json_decref(document);
+    free(text);
+    return 0;
+}

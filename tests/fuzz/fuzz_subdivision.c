@@ -1,0 +1,67 @@
+/* Fuzzes what reads control meshes: OBJ with its tags, and OpenUSD's attributes as JSON. The first byte picks the scheme and the format, the rest is the
+ * file. A surface that is taken is evaluated in the middle of some faces: what comes out is finite. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/limit.h"
+#include "proto/subdivision.h"
+#include "proto/writer.h"
+
+enum { MOST_FACES = 1000, PLACES = 8 };
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void require(int promise)
+{
+    if (!promise) abort();
+}
+
+static void evaluate(const struct gd_subdivision *surface)
+{
+    uint32_t faces = gd_subdivision_summary(surface).face_count;
+    require(faces > 0 && gd_subdivision_memsize(surface) > 0);
+    for (uint32_t i = 0; i < PLACES; i++) {
+        struct gd_limit_point place = {.face = i * 7 % faces, .u = 0.3, .v = 0.4};
+        struct gd_limit_jet jet;
+        struct gd_detail detail = {.text = ""};
+        enum gd_status status = gd_limit_evaluate(surface, &place, &jet, &detail);
+        require(status ? detail.text[0] != '\0' : isfinite(jet.position.x + jet.position.y + jet.position.z));
+    }
+}
+
+static void create(const struct gd_control_mesh *control_mesh, enum gd_scheme scheme)
+{
+    struct gd_subdivision *surface;
+    struct gd_detail detail = {.text = ""};
+    enum gd_status status = gd_subdivision_create(control_mesh, scheme, NULL, &surface, &detail);
+    if (status) {
+        require(status != GD_INTERNAL && detail.text[0] != '\0');
+        return;
+    }
+    evaluate(surface);
+    gd_subdivision_release(surface);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const struct gd_read_limits limits = {.max_faces = MOST_FACES, .max_vertices = MOST_FACES};
+    if (size == 0) return 0;
+    const struct proto_subdivision_options options = {.format = data[0] & 1 ? GD_FORMAT_ANY : GD_FORMAT_OBJ,
+                                                      .has_scheme = data[0] & 2,
+                                                      .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
+    char *file = malloc(size); /* exactly as large: overruns are seen */
+    require(file != NULL);
+    memcpy(file, data + 1, size - 1);
+    struct gd_control_mesh control_mesh;
+    struct proto_problem problem;
+    enum gd_scheme scheme;
+    if (proto_subdivision_read(file, size - 1, &options, &limits, &control_mesh, &scheme, &problem)) {
+        create(&control_mesh, scheme);
+        gd_control_mesh_free(&control_mesh);
+    } else {
+        require(problem.detail[0] != '\0');
+    }
+    free(file);
+    return 0;
+}

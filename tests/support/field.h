@@ -1,0 +1,15 @@
+/* Field: fields and distances of tests. Whatever goes wrong fails the test. */
+#ifndef TESTS_SUPPORT_FIELD_H
+#define TESTS_SUPPORT_FIELD_H
+
+#include "gd/curve.h"
+#include "gd/field.h"
+
+/* The field of some seeds as far as a radius, 0: all of it; the caller releases it. */
+struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius);
+struct gd_field *test_field_from(const struct gd_mesh *mesh, struct gd_point point);
+struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve, double offset);
+
+double test_distance(const struct gd_field *field, const struct gd_point *point);
+
+#endif
