@@ -86,7 +86,7 @@ static void require_curve(const struct proto_domain_curve *wanted)
     struct proto_problem problem;
     struct gd_domain_curve *curve;
     double low, high;
-    if (!proto_domain_curve_locate(vase(), wanted, &curve, &problem)) {
+    if (!proto_domain_curve_locate(vase(), wanted, NULL, &curve, &problem)) {
         require_sentence(&problem);
         return;
     }
