@@ -114,7 +114,7 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
     proto_writer_free(&writer);
     exchange->response.header_count = 0;
     exchange->response.problem = problem->code;
-    if (problem->allow[0]) add_header(&exchange->response, "Allow", problem->allow);
+    if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
     if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
     if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
     set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);

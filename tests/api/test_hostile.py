@@ -274,7 +274,7 @@ class KeepAlive(TestCase):
             self.assertEqual(head.headers["Content-Type"], get.headers["Content-Type"])
         answer = self.daemon.request("PATCH", "/v1/meshes/x")
         self.assert_problem(answer, 405, "method_not_allowed")
-        self.assertEqual(answer.headers["Allow"], "GET, HEAD, PUT, DELETE")
+        self.assertEqual(answer.headers["Allow"], "GET, HEAD, PUT, DELETE, OPTIONS")
 
     def test_security_headers(self):
         for path in ("/", "/v1", "/nowhere", "/app.js"):

@@ -199,7 +199,7 @@ class Service(TestCase):
     def test_options(self):
         answer = self.daemon.request("OPTIONS", "/v1/meshes")
         self.assertEqual((answer.status, answer.headers["Allow"]), (204, "GET, HEAD, POST, OPTIONS"))
-        self.assertEqual(self.daemon.request("DELETE", "/v1").headers["Allow"], "GET, HEAD")
+        self.assertEqual(self.daemon.request("DELETE", "/v1").headers["Allow"], "GET, HEAD, OPTIONS")
 
     def test_metrics(self):
         self.daemon.put("counted", SQUARE)
