@@ -24,7 +24,7 @@ static const double stuck =
     1e-4; /* part of the length: a piece this short that will not converge hides a corner of cells */
 static const double wide_corner = 3e-2; /* then corners this near, in cells, are passed straight */
 static const double shortest_end =
-    2e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
+    1e-4; /* of a piece: ends are not refined below it, where rounding spoils the curvature */
 static const double most_bend =
     100; /* int of squared geodesic curvature times length: a kink of a finite angle makes it endless */
 static const double fallen = 1e-6; /* of the domain's width: nearer to a pole a path goes through it */
