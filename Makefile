@@ -274,7 +274,7 @@ fuzz-build:
 	@$(MAKE) --no-print-directory BUILD=$(FUZZ_BUILD) CC=clang CXX=clang++ OPT=-O1 SAN="$(FUZZ_SAN) -fsanitize=fuzzer-no-link" \
 	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
-$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
 # By another name, so that make -n does not run the line that has it.

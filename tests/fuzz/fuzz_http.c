@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "server/server.h"
+#include "tests/fuzz/promise.h"
 
 enum {
     ANSWER_BYTES = 1 << 16,
@@ -26,11 +27,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static struct server *server;
 static uint64_t inputs;
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
 
 /* --- the daemon ------------------------------------------------------------------------------------------------------ */
 
@@ -48,10 +44,10 @@ static void start(void)
         "100"};
     struct server_config config;
     char error[512];
-    require(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) == SERVER_CONFIG_RUN);
+    promise(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) == SERVER_CONFIG_RUN);
     server_log_set_level(config.log_level);
     server = server_start(&config, error, sizeof error);
-    require(server != NULL);
+    promise(server != NULL);
     atexit(stop);
 }
 
@@ -62,7 +58,7 @@ static int join(void)
 {
     const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
     int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), on = 1;
-    require(client >= 0 && connect(client, address, server->config.listen.size) == 0);
+    promise(client >= 0 && connect(client, address, server->config.listen.size) == 0);
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     setsockopt(client, SOL_SOCKET, SO_LINGER, &(struct linger){.l_onoff = 1}, sizeof(struct linger));
     return client;
@@ -93,13 +89,13 @@ static void upload(void)
     static const char request[] = "PUT /v1/meshes/m HTTP/1.1\r\nHost: localhost\r\nContent-Length: 64\r\n\r\n"
                                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     static char answer[ANSWER_BYTES + 1];
-    require(exchange(request, sizeof request - 1, true, answer) > 0 && strncmp(answer, "HTTP/1.1 20", 11) == 0);
+    promise(exchange(request, sizeof request - 1, true, answer) > 0 && strncmp(answer, "HTTP/1.1 20", 11) == 0);
 }
 
 static void require_life(void)
 {
     static char answer[ANSWER_BYTES + 1];
-    require(exchange("", 0, true, answer) > 0 && strncmp(answer, "HTTP/1.1 200 ", 13) == 0);
+    promise(exchange("", 0, true, answer) > 0 && strncmp(answer, "HTTP/1.1 200 ", 13) == 0);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -112,7 +108,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         upload();
     }
     size_t length = exchange((const char *)data + 1, size - 1, data[0] & 1, answer);
-    require(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
-    require(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL); /* no body has a CR LF */
+    promise(length == 0 || strncmp(answer, "HTTP/1.1 ", 9) == 0);
+    promise(strstr(answer, "HTTP/1.1 500 Internal Server Error\r\n") == NULL); /* no body has a CR LF */
     return 0;
 }

@@ -4,6 +4,7 @@
 
 #include "gd/field.h"
 #include "tests/fuzz/patched.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -14,13 +15,13 @@ static const char *image(size_t *size)
     if (!bytes) {
         struct gd_seed seed = {.offset = 0.125};
         struct gd_field *field;
-        patched_require(gd_point_in_face(patched_surface(), (struct gd_face){2}, (double[3]){0.5, 0.25, 0.25},
-                                         &seed.point, NULL) == GD_OK);
-        patched_require(gd_field_build(patched_surface(), &(struct gd_field_request){.seeds = &seed, .seed_count = 1},
-                                       NULL, NULL, &field, NULL) == GD_OK);
+        promise(gd_point_in_face(patched_surface(), (struct gd_face){2}, (double[3]){0.5, 0.25, 0.25}, &seed.point,
+                                 NULL) == GD_OK);
+        promise(gd_field_build(patched_surface(), &(struct gd_field_request){.seeds = &seed, .seed_count = 1}, NULL,
+                               NULL, &field, NULL) == GD_OK);
         length = gd_field_image_size(field);
         bytes = malloc(length);
-        patched_require(bytes != NULL);
+        promise(bytes != NULL);
         gd_field_write_image(field, bytes);
         gd_field_release(field);
     }
@@ -38,13 +39,12 @@ static void ask_everywhere(const struct gd_field *field)
             struct gd_path path;
             struct gd_vec3 gradient;
             uint32_t seed;
-            patched_require(gd_point_in_face(patched_surface(), (struct gd_face){face}, places[i], &point, NULL) ==
-                            GD_OK);
+            promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, places[i], &point, NULL) == GD_OK);
             if (gd_field_distance(field, &point, &distance) == GD_OK && gd_field_path(field, &point, &path) == GD_OK)
                 gd_path_free(&path);
             if (gd_field_nearest(field, &point, &distance, &seed) == GD_OK && isfinite(distance))
-                patched_require(seed < gd_field_seed_count(field));
-            if (gd_field_gradient(field, &point, &gradient) == GD_OK) patched_require(!isinf(gradient.x));
+                promise(seed < gd_field_seed_count(field));
+            if (gd_field_gradient(field, &point, &gradient) == GD_OK) promise(!isinf(gradient.x));
         }
     }
     for (uint32_t a = 0; a < 9; a++) { /* every edge, in both directions: its chunks are merged */
@@ -69,7 +69,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         ask_everywhere(field);
         gd_field_release(field);
     } else {
-        patched_require(detail.text[0] != '\0');
+        promise(detail.text[0] != '\0');
     }
     free(patched);
     return 0;

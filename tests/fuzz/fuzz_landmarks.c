@@ -5,6 +5,7 @@
 
 #include "gd/query.h"
 #include "tests/fuzz/patched.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -14,10 +15,10 @@ static const char *image(size_t *size)
     static size_t length;
     if (!bytes) {
         struct gd_landmarks *landmarks;
-        patched_require(gd_landmarks_build(patched_surface(), 3, NULL, &landmarks) == GD_OK);
+        promise(gd_landmarks_build(patched_surface(), 3, NULL, &landmarks) == GD_OK);
         length = gd_landmarks_image_size(landmarks);
         bytes = malloc(length);
-        patched_require(bytes != NULL);
+        promise(bytes != NULL);
         gd_landmarks_write_image(landmarks, bytes);
         gd_landmarks_release(landmarks);
     }
@@ -30,13 +31,13 @@ static void search_with(const struct gd_landmarks *landmarks)
 {
     static const double place[3] = {0.2, 0.3, 0.5};
     struct gd_point from, to;
-    patched_require(gd_point_in_face(patched_surface(), (struct gd_face){0}, place, &from, NULL) == GD_OK);
+    promise(gd_point_in_face(patched_surface(), (struct gd_face){0}, place, &from, NULL) == GD_OK);
     for (uint32_t face = 1; face < gd_mesh_summary(patched_surface())->faces; face++) {
         struct gd_pair_answer answer = {.distance = -1};
         struct gd_detail detail = {.text = ""};
-        patched_require(gd_point_in_face(patched_surface(), (struct gd_face){face}, place, &to, NULL) == GD_OK);
+        promise(gd_point_in_face(patched_surface(), (struct gd_face){face}, place, &to, NULL) == GD_OK);
         enum gd_status status = gd_pair_solve(patched_surface(), &from, &to, true, landmarks, NULL, &answer, &detail);
-        patched_require(status ? detail.text[0] != '\0' : answer.distance > 0 && isfinite(answer.distance));
+        promise(status ? detail.text[0] != '\0' : answer.distance > 0 && isfinite(answer.distance));
         gd_pair_answer_free(&answer);
     }
 }
@@ -48,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *patched = patched_copy(whole, length, data, size, &left);
     struct gd_landmarks *landmarks = NULL;
     enum gd_status status = gd_landmarks_open_image(patched_surface(), patched, left, &landmarks);
-    patched_require((status == GD_OK) == (landmarks != NULL) && status != GD_INTERNAL);
+    promise((status == GD_OK) == (landmarks != NULL) && status != GD_INTERNAL);
     if (landmarks) search_with(landmarks);
     gd_landmarks_release(landmarks);
     free(patched);

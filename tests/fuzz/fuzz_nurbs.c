@@ -2,35 +2,13 @@
  * the rest is its input. A surface that is taken has finite points everywhere in its domain, with unit normals; a curve that is taken lies in
  * the domain of its surface. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "proto/decode.h"
 #include "proto/geodesic_like.h"
 #include "proto/nurbs.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
-
-static void require_json(struct proto_writer *writer)
-{
-    json_t *back = json_loadb(writer->data, writer->size, JSON_REJECT_DUPLICATES, NULL);
-    require(back != NULL);
-    json_decref(back);
-    proto_writer_free(writer);
-}
-
-static void require_sentence(const struct proto_problem *problem)
-{
-    struct proto_writer writer;
-    require(problem->detail[0] != '\0');
-    proto_writer_init(&writer, 65536);
-    proto_problem_encode(&writer, problem);
-    require_json(&writer);
-}
 
 /* --- files -------------------------------------------------------------------------------------------------------- */
 
@@ -42,10 +20,10 @@ static void require_points(const struct gd_parametric *surface)
             struct gd_jet jet;
             double at[2] = {i == 4 ? u->high : u->low + (u->high - u->low) * i / 4,
                             j == 4 ? v->high : v->low + (v->high - v->low) * j / 4};
-            require(gd_parametric_evaluate(surface, at[0], at[1], &jet) == GD_OK);
-            require(isfinite(jet.x.x) && isfinite(jet.x.y) && isfinite(jet.x.z));
+            promise(gd_parametric_evaluate(surface, at[0], at[1], &jet) == GD_OK);
+            promise(isfinite(jet.x.x) && isfinite(jet.x.y) && isfinite(jet.x.z));
             const struct gd_curvature curvature = gd_jet_curvature(&jet);
-            require(!curvature.regular || fabs(gd_vec3_length(curvature.normal) - 1) < 1e-9);
+            promise(!curvature.regular || fabs(gd_vec3_length(curvature.normal) - 1) < 1e-9);
         }
     }
 }
@@ -58,14 +36,14 @@ static void read_file(const uint8_t *data, size_t size)
     struct proto_writer writer;
     struct gd_parametric *surface;
     if (!proto_nurbs_read(data, size, &options, &surface, &description.form, &problem)) {
-        require_sentence(&problem);
+        promise_sentence(&problem);
         return;
     }
     require_points(surface);
     description.surface = surface;
     proto_writer_init(&writer, 65536);
     proto_nurbs_encode(&writer, &description);
-    require_json(&writer);
+    promise_json(&writer);
     gd_parametric_release(surface);
 }
 
@@ -77,7 +55,7 @@ static const struct gd_parametric *vase(void)
     static struct gd_parametric *surface;
     static const double knots[] = {0, 0, 1, 2, 3, 3}, points[][2] = {{1, 0}, {2, 1}, {1.5, 2}, {3, 3}};
     const struct gd_profile profile = {.degree = 1, .count = 4, .knots = knots, .points = points};
-    if (!surface) require(gd_parametric_revolution(&profile, &surface, NULL) == GD_OK);
+    if (!surface) promise(gd_parametric_revolution(&profile, &surface, NULL) == GD_OK);
     return surface;
 }
 
@@ -87,15 +65,15 @@ static void require_curve(const struct proto_domain_curve *wanted)
     struct gd_domain_curve *curve;
     double low, high;
     if (!proto_domain_curve_locate(vase(), wanted, NULL, &curve, &problem)) {
-        require_sentence(&problem);
+        promise_sentence(&problem);
         return;
     }
     gd_domain_curve_range(curve, &low, &high);
-    require(low <= high);
+    promise(low <= high);
     for (int i = 0; i <= 8; i++) {
         double uv[2];
         gd_domain_curve_at(curve, low + (high - low) * i / 8, uv);
-        require(uv[1] > -1e-9 && uv[1] < 3 + 1e-9 && isfinite(uv[0]));
+        promise(uv[1] > -1e-9 && uv[1] < 3 + 1e-9 && isfinite(uv[0]));
     }
     gd_domain_curve_release(curve);
 }
@@ -106,14 +84,14 @@ static void read_question(const uint8_t *data, size_t size, const struct proto_g
     struct proto_geodesic wanted;
     json_t *document = proto_decode_document(data, size, &problem);
     if (!document) {
-        require_sentence(&problem);
+        promise_sentence(&problem);
         return;
     }
     if (proto_geodesic_decode(document, form, &wanted, &problem)) {
         for (int k = 0; k < 2; k++) require_curve(&wanted.ends[k]);
         proto_geodesic_free(&wanted);
     } else {
-        require_sentence(&problem);
+        promise_sentence(&problem);
     }
     json_decref(document);
 }

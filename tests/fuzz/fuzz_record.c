@@ -5,13 +5,9 @@
 
 #include "server/record.h"
 #include "server/sha256.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
 
 static void check(const char *text, size_t size)
 {
@@ -19,9 +15,9 @@ static void check(const char *text, size_t size)
     if (server_record_read(text, size, &record) != SERVER_RECORD_READ) return;
     size_t length;
     char *written = server_record_write(record, &length);
-    require(written != NULL);
-    require(server_record_read(written, length, &again) == SERVER_RECORD_READ);
-    require(server_record_equal(record, again) && strcmp(record->description, again->description) == 0);
+    promise(written != NULL);
+    promise(server_record_read(written, length, &again) == SERVER_RECORD_READ);
+    promise(server_record_equal(record, again) && strcmp(record->description, again->description) == 0);
     server_record_release(again);
     server_record_release(record);
     free(written);
@@ -35,7 +31,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     bool seal = data[0] & 1;
     size_t body = size - 1, length = body;
     char *text = malloc(body + sizeof word + SERVER_SHA256_HEX + 1);
-    require(text != NULL);
+    promise(text != NULL);
     memcpy(text, data + 1, body);
     if (seal) {
         server_sha256(text, body, sum);
@@ -46,7 +42,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         text[length++] = '\n';
     }
     char *exact = malloc(length ? length : 1); /* no byte more: overruns are seen */
-    require(exact != NULL);
+    promise(exact != NULL);
     memcpy(exact, text, length);
     free(text);
     check(exact, length);

@@ -14,13 +14,9 @@
 #include "proto/pair.h"
 #include "proto/point.h"
 #include "proto/writer.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
 
 /* A cube of two sizes of triangles; made once, never freed: it is reachable to the end. */
 static const struct gd_mesh *cube(void)
@@ -32,20 +28,8 @@ static const struct gd_mesh *cube(void)
                                  2, 7, 6, 3, 0, 4, 3, 4, 7, 4, 5, 8, 5, 6, 8, 6, 7, 8, 7, 4, 8};
     struct gd_polygons polygons = {
         .positions = positions, .position_count = 9, .polygon_count = 14, .corners = corners};
-    if (!mesh) require(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
+    if (!mesh) promise(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
     return mesh;
-}
-
-static void require_sentence(const struct proto_problem *problem)
-{
-    struct proto_writer writer;
-    require(problem->detail[0] != '\0');
-    proto_writer_init(&writer, 65536);
-    proto_problem_encode(&writer, problem);
-    json_t *back = json_loadb(writer.data, writer.size, JSON_REJECT_DUPLICATES, NULL);
-    require(back != NULL);
-    json_decref(back);
-    proto_writer_free(&writer);
 }
 
 /* Answers the first leg; the stops are used up. */
@@ -58,16 +42,16 @@ static void answer(struct proto_points *stops)
     bool is_located = proto_points_locate(cube(), stops, &located, &problem);
     proto_points_free(stops);
     if (!is_located) {
-        require_sentence(&problem);
+        promise_sentence(&problem);
         return;
     }
-    require(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result, NULL) == GD_OK);
-    require(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
+    promise(gd_pair_solve(cube(), &located.points[0], &located.points[1], true, NULL, NULL, &result, NULL) == GD_OK);
+    promise(result.distance >= 0 && isfinite(result.distance) && result.path.count > 0);
     struct proto_options options = {.fields = ~0u};
     proto_writer_init(&writer, 1 << 20);
     proto_pair_encode(&writer, &located, &result, &options);
     json_t *back = json_loadb(writer.data, writer.size, JSON_REJECT_DUPLICATES, NULL);
-    require(back != NULL);
+    promise(back != NULL);
     json_decref(back);
     proto_writer_free(&writer);
     gd_pair_answer_free(&result);
@@ -82,7 +66,7 @@ static void fuzz_document(const char *text, size_t size)
     if (document && proto_pair_decode(document, &stops, &problem))
         answer(&stops);
     else
-        require_sentence(&problem);
+        promise_sentence(&problem);
     json_decref(document);
 }
 
@@ -96,7 +80,7 @@ static void fuzz_compact_points(const char *text)
         answer(&stops);
         return;
     }
-    require_sentence(&problem);
+    promise_sentence(&problem);
     proto_points_free(&stops);
 }
 
@@ -107,11 +91,11 @@ static void fuzz_batch(const char *text, size_t size)
     struct proto_problem problem;
     while (proto_batch_next(text, size, &line)) {
         struct proto_batch_query query;
-        require(line.size > 0 && line.end <= size);
+        promise(line.size > 0 && line.end <= size);
         if (proto_batch_decode(&line, &query, &problem))
             proto_batch_query_free(&query);
         else
-            require_sentence(&problem);
+            promise_sentence(&problem);
     }
 }
 
@@ -123,7 +107,7 @@ static void fuzz_matrix(const char *text, size_t size)
     if (document && proto_matrix_decode(document, &matrix, &problem))
         proto_matrix_free(&matrix);
     else
-        require_sentence(&problem);
+        promise_sentence(&problem);
     json_decref(document);
 }
 
@@ -131,7 +115,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0) return 0;
     char *text = malloc(size); /* the rest and a NUL, exactly as large: overruns are seen */
-    require(text != NULL);
+    promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     text[size - 1] = '\0';
     struct proto_problem problem;
@@ -143,10 +127,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         fuzz_compact_points(text);
         break;
     case 2:
-        require(proto_accept_quality(text, "application/json") <= 1000);
+        promise(proto_accept_quality(text, "application/json") <= 1000);
         break;
     case 3:
-        if (!proto_mesh_name_check(text, size - 1, &problem)) require_sentence(&problem);
+        if (!proto_mesh_name_check(text, size - 1, &problem)) promise_sentence(&problem);
         break;
     case 4:
         fuzz_batch(text, size - 1);

@@ -8,15 +8,11 @@
 #include "proto/decode.h"
 #include "proto/evaluation.h"
 #include "proto/field.h"
+#include "tests/fuzz/promise.h"
 
 enum { MOST_MEMBERS = 24, MOST_POINTS = 24 }; /* that are answered: each member has a field of its own here */
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
 
 /* An open box with a roof ridge; made once, never freed: it is reachable to the end. */
 static const struct gd_mesh *house(void)
@@ -28,25 +24,8 @@ static const struct gd_mesh *house(void)
                                  3, 0, 4, 3, 4, 7, 4, 8, 7, 4, 5, 9, 4, 9, 8, 6, 7, 8, 6, 8, 9};
     struct gd_polygons polygons = {
         .positions = positions, .position_count = 10, .polygon_count = 14, .corners = corners};
-    if (!mesh) require(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
+    if (!mesh) promise(gd_mesh_build(&polygons, NULL, NULL, &mesh, NULL) == GD_OK);
     return mesh;
-}
-
-static void require_json(struct proto_writer *writer)
-{
-    json_t *back = json_loadb(writer->data, writer->size, JSON_REJECT_DUPLICATES, NULL);
-    require(back != NULL);
-    json_decref(back);
-    proto_writer_free(writer);
-}
-
-static void require_sentence(const struct proto_problem *problem)
-{
-    struct proto_writer writer;
-    require(problem->detail[0] != '\0');
-    proto_writer_init(&writer, 65536);
-    proto_problem_encode(&writer, problem);
-    require_json(&writer);
 }
 
 /* NULL when the engine refuses so much rounding. */
@@ -55,7 +34,7 @@ static struct gd_field *build(const struct gd_seed *seeds, uint32_t count, doubl
     const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
     struct gd_field *field;
     enum gd_status status = gd_field_build(house(), &request, NULL, NULL, &field, NULL);
-    require(status == GD_OK || status == GD_INTERNAL);
+    promise(status == GD_OK || status == GD_INTERNAL);
     return status ? NULL : field;
 }
 
@@ -67,11 +46,11 @@ static void check_least(const struct proto_located_set *set, const struct proto_
     for (uint32_t k = 0; k < set->seed_count; k++) {
         struct gd_field *field = build(&set->seeds[k], 1, 0);
         if (!field) return;
-        require(gd_field_distances(field, points->points, points->count, NULL, alone) == GD_OK);
+        promise(gd_field_distances(field, points->points, points->count, NULL, alone) == GD_OK);
         for (uint32_t i = 0; i < points->count; i++) least[i] = fmin(least[i], alone[i]);
         gd_field_release(field);
     }
-    for (uint32_t i = 0; i < points->count; i++) require(fabs(least[i] - distances[i]) <= 1e-9 * (1 + least[i]));
+    for (uint32_t i = 0; i < points->count; i++) promise(fabs(least[i] - distances[i]) <= 1e-9 * (1 + least[i]));
 }
 
 static void encode(const struct gd_field *field, const struct proto_located_set *set,
@@ -85,10 +64,10 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
         struct gd_path path = {0};
         double distance;
         uint32_t seed;
-        require(gd_field_nearest(field, &points->points[i], &distance, &seed) == GD_OK);
-        require(seed < set->seed_count && distance == distances[i]);
-        require(gd_field_path_to_seed(field, &points->points[i], &path, &seed) == GD_OK);
-        require(seed < set->seed_count && set->members[seed] < set->count);
+        promise(gd_field_nearest(field, &points->points[i], &distance, &seed) == GD_OK);
+        promise(seed < set->seed_count && distance == distances[i]);
+        promise(gd_field_path_to_seed(field, &points->points[i], &path, &seed) == GD_OK);
+        promise(seed < set->seed_count && set->members[seed] < set->count);
         result.member = set->members[seed];
         result.nearest = path.points[path.count - 1];
         result.path = &path;
@@ -96,7 +75,7 @@ static void encode(const struct gd_field *field, const struct proto_located_set 
         gd_path_free(&path);
     }
     proto_results_end(&writer);
-    require_json(&writer);
+    promise_json(&writer);
 }
 
 static void answer(const struct proto_located_set *set, const struct proto_located_points *points)
@@ -105,7 +84,7 @@ static void answer(const struct proto_located_set *set, const struct proto_locat
     if (set->seed_count > MOST_MEMBERS || points->count > MOST_POINTS) return;
     struct gd_field *field = build(set->seeds, set->seed_count, 0);
     if (!field) return;
-    require(gd_field_distances(field, points->points, points->count, NULL, distances) == GD_OK);
+    promise(gd_field_distances(field, points->points, points->count, NULL, distances) == GD_OK);
     check_least(set, points, distances);
     encode(field, set, points, distances);
     gd_field_release(field);
@@ -148,12 +127,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct proto_problem problem;
     if (size == 0) return 0;
     char *text = malloc(size); /* no byte more: overruns are seen */
-    require(text != NULL);
+    promise(text != NULL);
     memcpy(text, data + 1, size - 1);
     json_t *document = proto_decode_document(text, size - 1, &problem);
     free(text);
     bool ok = document && (data[0] & 1 ? fuzz_field(document, &problem) : fuzz_distance_to_set(document, &problem));
     json_decref(document);
-    if (!ok) require_sentence(&problem);
+    if (!ok) promise_sentence(&problem);
     return 0;
 }

@@ -7,26 +7,22 @@
 #include "gd/limit.h"
 #include "proto/subdivision.h"
 #include "proto/writer.h"
+#include "tests/fuzz/promise.h"
 
 enum { MOST_FACES = 1000, PLACES = 8 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static void require(int promise)
-{
-    if (!promise) abort();
-}
-
 static void evaluate(const struct gd_subdivision *surface)
 {
     uint32_t faces = gd_subdivision_summary(surface).face_count;
-    require(faces > 0 && gd_subdivision_memsize(surface) > 0);
+    promise(faces > 0 && gd_subdivision_memsize(surface) > 0);
     for (uint32_t i = 0; i < PLACES; i++) {
         struct gd_limit_point place = {.face = i * 7 % faces, .u = 0.3, .v = 0.4};
         struct gd_limit_jet jet;
         struct gd_detail detail = {.text = ""};
         enum gd_status status = gd_limit_evaluate(surface, &place, &jet, &detail);
-        require(status ? detail.text[0] != '\0' : isfinite(jet.position.x + jet.position.y + jet.position.z));
+        promise(status ? detail.text[0] != '\0' : isfinite(jet.position.x + jet.position.y + jet.position.z));
     }
 }
 
@@ -36,7 +32,7 @@ static void create(const struct gd_control_mesh *control_mesh, enum gd_scheme sc
     struct gd_detail detail = {.text = ""};
     enum gd_status status = gd_subdivision_create(control_mesh, scheme, NULL, &surface, &detail);
     if (status) {
-        require(status != GD_INTERNAL && detail.text[0] != '\0');
+        promise(status != GD_INTERNAL && detail.text[0] != '\0');
         return;
     }
     evaluate(surface);
@@ -51,7 +47,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                                                       .has_scheme = data[0] & 2,
                                                       .scheme = data[0] & 4 ? GD_SCHEME_LOOP : GD_SCHEME_CATMULL_CLARK};
     char *file = malloc(size); /* exactly as large: overruns are seen */
-    require(file != NULL);
+    promise(file != NULL);
     memcpy(file, data + 1, size - 1);
     struct gd_control_mesh control_mesh;
     struct proto_problem problem;
@@ -60,7 +56,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         create(&control_mesh, scheme);
         gd_control_mesh_free(&control_mesh);
     } else {
-        require(problem.detail[0] != '\0');
+        promise(problem.detail[0] != '\0');
     }
     free(file);
     return 0;

@@ -1,18 +1,13 @@
 /* Fuzzes the geometry: any small soup of polygons is refused by name, or becomes a surface on which distances and paths keep their laws. The
  * bytes are vertex coordinates on a coarse lattice (so that ties, flats and folds abound), faces, and what is to be mended before. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "gd/query.h"
+#include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { MOST_VERTICES = 24, MOST_FACES = 40, LEAST_VERTICES = 3, COUNTS = MOST_VERTICES - LEAST_VERTICES + 1 };
-
-static void require(int promise)
-{
-    if (!promise) abort();
-}
 
 struct soup {
     double positions[MOST_VERTICES][3];
@@ -53,22 +48,22 @@ static struct gd_point some_point(const struct gd_mesh *mesh, uint32_t seed)
     while (!gd_mesh_has_face(mesh, (struct gd_face){face})) face = (face + 1) % faces;
     double a = (seed >> 8) % 5 / 4.0, b = (1 - a) * ((seed >> 16) % 5 / 4.0);
     struct gd_point point;
-    require(gd_point_in_face(mesh, (struct gd_face){face}, (double[3]){a, b, 1 - a - b}, &point, NULL) == GD_OK);
+    promise(gd_point_in_face(mesh, (struct gd_face){face}, (double[3]){a, b, 1 - a - b}, &point, NULL) == GD_OK);
     return point;
 }
 
 static double ask(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to)
 {
     struct gd_pair_answer answer;
-    require(gd_pair_solve(mesh, from, to, true, NULL, NULL, &answer, NULL) == GD_OK);
+    promise(gd_pair_solve(mesh, from, to, true, NULL, NULL, &answer, NULL) == GD_OK);
     double distance = answer.distance;
-    require(distance >= 0);
+    promise(distance >= 0);
     if (isfinite(distance)) {
         struct gd_vec3 p = gd_point_position(mesh, from), q = gd_point_position(mesh, to);
         double rounding =
             1e-14 * gd_mesh_summary(mesh)->edge_length.max; /* of points that lie this close to each other */
-        require(fabs(answer.path.length - distance) <= 1e-9 * distance + rounding);
-        require(distance >= gd_vec3_distance(p, q) * (1 - 1e-9) - 1e-12 * gd_mesh_summary(mesh)->edge_length.max);
+        promise(fabs(answer.path.length - distance) <= 1e-9 * distance + rounding);
+        promise(distance >= gd_vec3_distance(p, q) * (1 - 1e-9) - 1e-12 * gd_mesh_summary(mesh)->edge_length.max);
     }
     gd_pair_answer_free(&answer);
     return distance;
@@ -79,10 +74,10 @@ static void check_laws(const struct gd_mesh *mesh, uint32_t seed)
     struct gd_point p = some_point(mesh, seed), q = some_point(mesh, seed * 7 + 3), r = some_point(mesh, seed * 13 + 5);
     double pq = ask(mesh, &p, &q), qp = ask(mesh, &q, &p), pr = ask(mesh, &p, &r), rq = ask(mesh, &r, &q);
     double slack = 1e-9 * (pq + pr + rq) + 1e-12 * gd_mesh_summary(mesh)->edge_length.max;
-    require(isfinite(pq) == isfinite(qp));
-    if (isfinite(pq)) require(fabs(pq - qp) <= slack);
-    if (isfinite(pr) && isfinite(rq)) require(pq <= pr + rq + slack);
-    require(ask(mesh, &p, &p) == 0);
+    promise(isfinite(pq) == isfinite(qp));
+    if (isfinite(pq)) promise(fabs(pq - qp) <= slack);
+    if (isfinite(pr) && isfinite(rq)) promise(pq <= pr + rq + slack);
+    promise(ask(mesh, &p, &p) == 0);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -98,10 +93,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct gd_detail detail = {.text = ""};
     enum gd_status status = gd_mesh_build(&polygons, &soup.options, NULL, &mesh, &detail);
     if (status) {
-        require(detail.text[0] != '\0' && status != GD_INTERNAL);
+        promise(detail.text[0] != '\0' && status != GD_INTERNAL);
         return 0;
     }
-    require(gd_mesh_repair(mesh)->largest_shift >= 0 && isfinite(gd_mesh_repair(mesh)->largest_shift));
+    promise(gd_mesh_repair(mesh)->largest_shift >= 0 && isfinite(gd_mesh_repair(mesh)->largest_shift));
     uint32_t seed = 0;
     for (size_t i = 0; i < size; i++) seed = seed * 31 + data[i];
     check_laws(mesh, seed);

@@ -8,9 +8,6 @@
 
 #include "gd/mesh.h"
 
-/* A violated promise ends the run: the fuzzer keeps the input. */
-void patched_require(int promise);
-
 /* A pyramid over a square that is open below, with saddles where its sides are pushed in; made once. */
 const struct gd_mesh *patched_surface(void);
 

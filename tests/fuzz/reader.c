@@ -1,40 +1,36 @@
 /* What the fuzzers of the readers share: whatever is read must keep its promises and survive the way through every writer that keeps
  * doubles. */
 #include "tests/fuzz/reader.h"
+#include "tests/fuzz/promise.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* A violated promise ends the run: the fuzzer keeps the input. */
-static void require(int promise)
-{
-    if (!promise) abort();
-}
-
 static void check_promises(const struct gd_polygons *polygons, const struct gd_read_limits *limits)
 {
     uint64_t triangles = 0;
-    require(polygons->polygon_count > 0 && polygons->position_count <= limits->max_vertices);
+    promise(polygons->polygon_count > 0 && polygons->position_count <= limits->max_vertices);
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         uint32_t corners = gd_polygons_first(polygons, i + 1) - gd_polygons_first(polygons, i);
-        require(corners >= 3 && corners <= gd_polygons_corner_count(polygons));
+        promise(corners >= 3 && corners <= gd_polygons_corner_count(polygons));
         triangles += corners - 2;
     }
-    require(triangles <= limits->max_faces);
+    promise(triangles <= limits->max_faces);
     for (uint32_t i = 0; i < gd_polygons_corner_count(polygons); i++)
-        require(polygons->corners[i] < polygons->position_count);
+        promise(polygons->corners[i] < polygons->position_count);
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        for (int axis = 0; axis < 3; axis++) require(polygons->positions[i][axis] - polygons->positions[i][axis] == 0);
+        for (int axis = 0; axis < 3; axis++) promise(polygons->positions[i][axis] - polygons->positions[i][axis] == 0);
     }
 }
 
 static void check_equal(const struct gd_polygons *a, const struct gd_polygons *b)
 {
-    require(a->position_count == b->position_count && a->polygon_count == b->polygon_count);
-    require(gd_polygons_corner_count(a) == gd_polygons_corner_count(b));
-    require(memcmp(a->positions, b->positions, a->position_count * sizeof *a->positions) == 0);
-    require(memcmp(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners) == 0);
-    for (uint32_t i = 0; i < a->polygon_count; i++) require(gd_polygons_first(a, i) == gd_polygons_first(b, i));
+    promise(a->position_count == b->position_count && a->polygon_count == b->polygon_count);
+    promise(gd_polygons_corner_count(a) == gd_polygons_corner_count(b));
+    promise(memcmp(a->positions, b->positions, a->position_count * sizeof *a->positions) == 0);
+    promise(memcmp(a->corners, b->corners, gd_polygons_corner_count(a) * sizeof *a->corners) == 0);
+    for (uint32_t i = 0; i < a->polygon_count; i++) promise(gd_polygons_first(a, i) == gd_polygons_first(b, i));
 }
 
 static void check_round_trip(const struct gd_polygons *polygons, enum gd_format format)
@@ -44,9 +40,9 @@ static void check_round_trip(const struct gd_polygons *polygons, enum gd_format 
     struct gd_polygons back;
     enum gd_status status = gd_write_polygons(polygons, format, &bytes, &size);
     if (format == GD_FORMAT_STL && (status == GD_NOT_TRIANGLES || status == GD_NON_FINITE)) return;
-    require(status == GD_OK);
-    require(gd_format_recognise(bytes, size) == format);
-    require(gd_read_polygons(bytes, size, format, NULL, &back, NULL) == GD_OK);
+    promise(status == GD_OK);
+    promise(gd_format_recognise(bytes, size) == format);
+    promise(gd_read_polygons(bytes, size, format, NULL, &back, NULL) == GD_OK);
     free(bytes);
     if (format != GD_FORMAT_STL) check_equal(polygons, &back);
     gd_polygons_free(&back);
@@ -59,7 +55,7 @@ int fuzz_reader(enum gd_format format, const uint8_t *data, size_t size)
     struct gd_detail detail = {.text = ""};
     enum gd_status status = gd_read_polygons(data, size, format, &limits, &polygons, &detail);
     if (status != GD_OK) {
-        require(detail.text[0] != '\0' && status != GD_INTERNAL);
+        promise(detail.text[0] != '\0' && status != GD_INTERNAL);
         return 0;
     }
     check_promises(&polygons, &limits);
