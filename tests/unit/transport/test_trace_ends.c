@@ -1,0 +1,210 @@
+/* Where lines end: at the boundary and at limits; and what is traced of several at once. The ways there: test_trace.c. */
+#include "lines.h"
+
+#include <string.h>
+
+/* --- the boundary -------------------------------------------------------------------------------------------------------- */
+
+static void stops_at_the_boundary(void **state)
+{
+    (void)state;
+    struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){5, 5, 1, 1});
+    struct gd_point start = nearest(grid.mesh, 0.5, 0.5, 0);
+    struct gd_trace trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), 9, NULL);
+    struct gd_point end = end_of(&trace);
+    assert_int_equal(trace.end, GD_TRACE_END_BOUNDARY);
+    check_close(trace.path.length, sqrt(1.25) / 2, exact);
+    expect_place(gd_point_position(grid.mesh, &end), 1, 0.75, 0, exact);
+    expect_place(trace.direction.xyz, 2 / sqrt(5), 1 / sqrt(5), 0, exact);
+    gd_trace_free(&trace);
+    /* into a corner, and along an edge of the boundary, over vertices where it is straight */
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 1, 0), 9, NULL);
+    end = end_of(&trace);
+    expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
+    gd_trace_free(&trace);
+    start = nearest(grid.mesh, 0.1, 0, 0);
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 0.85, NULL);
+    end = end_of(&trace);
+    assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
+    expect_place(gd_point_position(grid.mesh, &end), 0.95, 0, 0, exact);
+    gd_trace_free(&trace);
+    surface_free(&grid);
+}
+
+/* A square of 3 x 3 cells without the middle of its right side: (1..2, 1..2) to (2..3, 1..2) is a notch. */
+static struct gd_mesh *notched_square(void)
+{
+    enum { TRIANGLES = 16 };
+    double positions[16][3];
+    uint32_t corners[3 * TRIANGLES], count = 0;
+    for (uint32_t i = 0; i < 16; i++) {
+        positions[i][0] = i % 4;
+        positions[i][1] = i / 4;
+        positions[i][2] = 0;
+    }
+    for (uint32_t cell = 0; cell < 9; cell++) {
+        uint32_t a = 4 * (cell / 3) + cell % 3, two[6] = {a, a + 1, a + 5, a, a + 5, a + 4};
+        if (cell == 5) continue;
+        memcpy(corners + count, two, sizeof two);
+        count += 6;
+    }
+    struct gd_polygons polygons = {
+        .positions = positions, .position_count = 16, .polygon_count = TRIANGLES, .corners = corners};
+    return test_mesh(&polygons);
+}
+
+static void slides_along_the_boundary(void **state)
+{
+    (void)state;
+    const struct gd_trace_options slide = {.boundary_rule = GD_BOUNDARY_RULE_SLIDE};
+    struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){5, 5, 1, 1});
+    struct gd_point start = nearest(grid.mesh, 0.5, 0.5, 0);
+    struct gd_trace trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), sqrt(1.25) / 2 + 0.1, &slide);
+    struct gd_point end = end_of(&trace);
+    assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
+    expect_place(gd_point_position(grid.mesh, &end), 1, 0.85, 0, exact);
+    expect_place(trace.direction.xyz, 0, 1, 0, exact);
+    gd_trace_free(&trace);
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 2, 1, 0), 9, &slide); /* the corner turns a right angle */
+    end = end_of(&trace);
+    assert_int_equal(trace.end, GD_TRACE_END_BOUNDARY);
+    expect_place(gd_point_position(grid.mesh, &end), 1, 1, 0, exact);
+    gd_trace_free(&trace);
+    trace = follow(grid.mesh, start, along(grid.mesh, start, 1, 0, 0), 9, &slide); /* leans to neither side */
+    check_close(trace.path.length, 0.5, exact);
+    gd_trace_free(&trace);
+    surface_free(&grid);
+    /* along the notch's side, and off it where the boundary falls back */
+    struct gd_mesh *mesh = notched_square();
+    start = nearest(mesh, 1.25, 1.5, 0);
+    trace = follow(mesh, start, along(mesh, start, 3, 1, 0), 1.5, &slide);
+    end = end_of(&trace);
+    assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
+    expect_place(gd_point_position(mesh, &end), 2, 1.75 + 1.5 - hypot(0.75, 0.25), 0, exact);
+    gd_trace_free(&trace);
+    gd_mesh_release(mesh);
+}
+
+/* --- limits -------------------------------------------------------------------------------------------------------------- */
+
+static bool cancel(void *user, double fraction)
+{
+    (void)user;
+    return fraction < 0.5;
+}
+
+static void limits(void **state)
+{
+    (void)state;
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){40, 20, 2, 1});
+    struct gd_point start = nearest(torus.mesh, 3, 0.1, 0.1);
+    struct gd_direction ahead = along(torus.mesh, start, 0, 2, 1);
+    const struct gd_trace_options few = {.step_limit = 10};
+    struct gd_trace trace = follow(torus.mesh, start, ahead, 1e3, &few), again;
+    assert_int_equal(trace.end, GD_TRACE_END_STEP_LIMIT);
+    assert_int_equal(trace.path.count, 11);
+    struct gd_point end = end_of(&trace); /* it can be gone on with */
+    again = follow(torus.mesh, end, trace.direction, 1, NULL);
+    struct gd_trace whole = follow(torus.mesh, start, ahead, trace.path.length + 1, NULL);
+    struct gd_point p = end_of(&again), q = end_of(&whole);
+    assert_true(gd_vec3_distance(gd_point_position(torus.mesh, &p), gd_point_position(torus.mesh, &q)) < 1e-12);
+    gd_trace_free(&trace);
+    gd_trace_free(&again);
+    gd_trace_free(&whole);
+    const struct gd_trace_options many = {.step_limit = 400000};
+    trace = follow(torus.mesh, start, ahead, 1e4, &many);
+    check_close(trace.path.length, 1e4, 1e-15);
+    gd_trace_free(&trace);
+    struct gd_control control = {.budget_bytes = 4096};
+    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_BUDGET);
+    control = (struct gd_control){.progress = cancel};
+    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_CANCELLED);
+    control = (struct gd_control){.deadline_ns = 1};
+    assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, 1e4, &many, &control, &trace, NULL), GD_DEADLINE);
+    static const double lengths[] = {-1, NAN, INFINITY};
+    struct gd_detail detail;
+    for (uint32_t i = 0; i < COUNT(lengths); i++)
+        assert_int_equal(gd_trace_follow(torus.mesh, &start, &ahead, lengths[i], NULL, NULL, &trace, &detail),
+                         GD_INVALID_ARGUMENT);
+    trace = follow(torus.mesh, start, ahead, 0, NULL);
+    assert_int_equal(trace.path.count, 1);
+    assert_true(trace.direction.angle == ahead.angle);
+    gd_trace_free(&trace);
+    surface_free(&torus);
+}
+
+/* Several at once are what they are one by one, to the last bit, whatever each meets; and fail together. */
+static void many(void **state)
+{
+    (void)state;
+    struct surface terrain = surface_of("terrain", (double[SAMPLE_PARAMETERS]){24, 1, 2});
+    struct gd_point start = nearest(terrain.mesh, 0.4, 0.6, 0);
+    struct gd_direction ahead[GD_TRACE_LANES];
+    for (uint32_t i = 0; i < GD_TRACE_LANES; i++) ahead[i] = gd_trace_fan(terrain.mesh, &start, GD_TRACE_LANES, i);
+    const struct gd_trace_options options[] = {{.vertex_rule = GD_VERTEX_RULE_NORMAL},
+                                               {.boundary_rule = GD_BOUNDARY_RULE_SLIDE, .step_limit = 40},
+                                               {.stop_at_self_intersection = true}};
+    struct gd_trace traces[GD_TRACE_LANES];
+    for (uint32_t n = 0; n < 3 * COUNT(options); n++) {
+        const struct gd_trace_options *how = &options[n / 3];
+        double length = n % 3 * 1.3;
+        check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, length, how, NULL, traces, NULL),
+                 NULL);
+        for (uint32_t i = 0; i < GD_TRACE_LANES; i++) {
+            struct gd_trace alone = follow(terrain.mesh, start, ahead[i], length, how);
+            assert_int_equal(traces[i].path.count, alone.path.count);
+            assert_int_equal(traces[i].end, alone.end);
+            assert_true(traces[i].path.length == alone.path.length &&
+                        traces[i].direction.angle == alone.direction.angle);
+            for (uint32_t k = 0; k < alone.path.count; k++)
+                assert_true(gd_point_equal(&traces[i].path.points[k], &alone.path.points[k]));
+            gd_trace_free(&alone);
+            gd_trace_free(&traces[i]);
+        }
+    }
+    struct gd_control control = {.budget_bytes = 8192}; /* enough for one, and not for all */
+    check_ok(gd_trace_follow_many(terrain.mesh, &start, ahead, 1, 0.1, NULL, &control, traces, NULL), NULL);
+    gd_trace_free(&traces[0]);
+    assert_int_equal(
+        gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, &control, traces, NULL),
+        GD_BUDGET);
+    ahead[5].angle = NAN;
+    assert_int_equal(gd_trace_follow_many(terrain.mesh, &start, ahead, GD_TRACE_LANES, 0.1, NULL, NULL, traces, NULL),
+                     GD_INVALID_ARGUMENT);
+    surface_free(&terrain);
+}
+
+static void fans(void **state)
+{
+    (void)state;
+    struct surface grid = surface_of("grid", (double[SAMPLE_PARAMETERS]){2, 2, 2, 2});
+    struct gd_point inside = nearest(grid.mesh, 1.3, 1.4, 0), middle = nearest(grid.mesh, 1, 1, 0),
+                    corner = nearest(grid.mesh, 0, 0, 0), rim = nearest(grid.mesh, 2, 0.5, 0);
+    const struct gd_point closed[] = {inside, middle};
+    for (uint32_t p = 0; p < COUNT(closed); p++)
+        for (uint32_t i = 0; i < 8; i++)
+            expect_near(gd_trace_fan(grid.mesh, &closed[p], 8, i).angle, M_PI * i / 4, exact);
+    for (uint32_t i = 0; i < 5; i++) {
+        struct gd_direction direction = gd_trace_fan(grid.mesh, &corner, 5, i);
+        expect_place(direction.xyz, cos(M_PI * i / 8), sin(M_PI * i / 8), 0, exact);
+        direction = gd_trace_fan(grid.mesh, &rim, 5, i);
+        assert_true(direction.xyz.x <= exact);
+        struct gd_trace trace = follow(grid.mesh, rim, direction, 0.25, NULL);
+        assert_int_equal(trace.end, GD_TRACE_END_LENGTH);
+        gd_trace_free(&trace);
+    }
+    assert_true(gd_trace_fan(grid.mesh, &corner, 1, 0).angle == 0);
+    surface_free(&grid);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stops_at_the_boundary),
+        cmocka_unit_test(slides_along_the_boundary),
+        cmocka_unit_test(limits),
+        cmocka_unit_test(many),
+        cmocka_unit_test(fans),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
