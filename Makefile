@@ -251,9 +251,10 @@ $(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py
 	@mkdir -p $(@D)
 	python3 proto/generate.py routes proto/openapi.yaml > $@
 
-$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(wildcard clients/web/*)
+VIEWER_PAGES := $(filter %.html %.css %.js %.svg,$(wildcard clients/web/*))
+$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(VIEWER_PAGES)
 	@mkdir -p $(@D)
-	python3 proto/generate.py assets proto/openapi.yaml $(wildcard clients/web/*) > $@
+	python3 proto/generate.py assets proto/openapi.yaml $(VIEWER_PAGES) > $@
 
 # --- fuzzing: clang's libFuzzer with both sanitizers; each target starts from its corpus -------------------------------------------------------
 
