@@ -1,0 +1,306 @@
+// The viewer as a whole: it brings surface, mode, points, URL and panel together.
+
+import { Answer } from "./answer.ts";
+import { Api, ApiError } from "./api.ts";
+import { Bench, isAbort } from "./bench.ts";
+import { Chooser } from "./chooser.ts";
+import { byId } from "./dom.ts";
+import { Handles } from "./handles.ts";
+import { Latest } from "./latest.ts";
+import { Legend } from "./legend.ts";
+import { loadSurface, namesOf } from "./load.ts";
+import { allModes } from "./modes/index.ts";
+import type { Mode } from "./modes/mode.ts";
+import { Points } from "./points.ts";
+import { Rate } from "./rate.ts";
+import { SAMPLES, type Sample } from "./samples.ts";
+import { type Pixel, Scene } from "./scene.ts";
+import { State } from "./state.ts";
+import type { Kind, Surface } from "./surface.ts";
+import { Units } from "./units.ts";
+import { type Description, upload } from "./upload.ts";
+
+const STARTING_FACES = 300000; /* a larger mesh is not opened unasked */
+const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
+
+/** Where the first points of a surface lie, as parts of the picture's width and height about its middle. */
+const SPOTS: Pixel[] = [
+  { x: -0.12, y: 0.06 },
+  { x: 0.12, y: -0.08 },
+  { x: 0.04, y: 0.14 },
+  { x: -0.06, y: -0.14 },
+  { x: 0.17, y: 0.08 },
+  { x: -0.18, y: -0.05 },
+  { x: 0, y: 0 },
+];
+
+export class App {
+  readonly api = new Api();
+  readonly scene = new Scene(byId<HTMLCanvasElement>("canvas"));
+  readonly points = new Points();
+  readonly units = new Units();
+  readonly answer = new Answer(() => this.api.key !== "");
+  readonly bench = new Bench(this.api, this.scene, this.points, this.answer, new Legend(), this.units, { ramp: "dusk" });
+  readonly modes: Mode[] = allModes(this.bench);
+  readonly rate = new Rate();
+  mode: Mode = this.modes[0]!;
+  /** Called when something has changed that parts of the panel show. */
+  readonly watchers: (() => void)[] = [];
+  /** Called when another surface is shown. */
+  onSurface: () => void = () => {};
+  private readonly handles = new Handles(byId("handles"), this.scene, this.points);
+  private readonly state = new State();
+  private readonly asker = new Latest<boolean>((live) => this.ask(live));
+  private readonly chooser: Chooser;
+  private opening: AbortController | undefined;
+
+  constructor() {
+    this.chooser = new Chooser({
+      open: (kind, name) => void this.open(kind, name),
+      sample: (sample) => void this.openSample(sample),
+      upload: (file, kind, query) => void this.upload(kind, { name: file.name, body: file }, query),
+      remove: () => void this.remove(),
+    });
+    this.points.onChange = (live) => this.changed(live);
+    this.scene.onFrame = () => this.handles.place();
+    this.scene.onCamera = () => this.writeState();
+    for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
+    addEventListener("hashchange", () => void this.restore());
+  }
+
+  /** What the URL says, or what there is. */
+  async start(): Promise<void> {
+    await this.list();
+    await this.restore();
+  }
+
+  private async list(): Promise<void> {
+    try {
+      const [meshes, subdivisions, nurbs] = await Promise.all(KINDS.map((kind) => namesOf(this.api, kind)));
+      this.chooser.show({ meshes: meshes!, subdivisions: subdivisions!, nurbs: nurbs! }, this.bench.surface);
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  /** Reads the lists of surfaces again, after a key was given for instance. */
+  async reload(): Promise<void> {
+    this.answer.clear();
+    await this.start();
+  }
+
+  private fail(error: unknown): void {
+    if (isAbort(error)) return;
+    this.answer.fail(error);
+    if (error instanceof ApiError && error.status === 401) byId<HTMLDetailsElement>("access").open = true;
+  }
+
+  private say(text: string): void {
+    byId("busy").textContent = text;
+  }
+
+  // --- surfaces ------------------------------------------------------------------------------------------------------
+
+  private async restore(): Promise<void> {
+    const parameters = this.state.parameters;
+    const kind = KINDS.find((name) => parameters.has(name));
+    const wanted = this.modes.find((mode) => mode.id === parameters.get("mode"));
+    if (kind) {
+      this.mode = wanted?.kind === kind ? wanted : this.modes.find((mode) => mode.kind === kind)!;
+      await this.open(kind, parameters.get(kind)!, parameters);
+    } else {
+      if (wanted) this.mode = wanted;
+      await this.openSomething();
+    }
+  }
+
+  /** The first mesh of the daemon, unless it is very large; else the user is shown where to begin. */
+  private async openSomething(): Promise<void> {
+    const first = this.chooser.known.meshes[0];
+    const mesh = first && (await this.api.get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`).catch(() => null));
+    if (mesh && mesh.faces <= STARTING_FACES) return this.open("meshes", first);
+    byId("start").hidden = this.bench.surface !== undefined;
+    this.tell();
+  }
+
+  async open(kind: Kind, name: string, parameters?: URLSearchParams): Promise<void> {
+    this.bench.abort();
+    this.say(`Loading ${name}.`);
+    try {
+      const surface = await loadSurface(this.api, kind, name);
+      this.showSurface(surface, parameters);
+    } catch (error) {
+      this.fail(error);
+    }
+    this.say("");
+  }
+
+  private showSurface(surface: Surface, parameters?: URLSearchParams): void {
+    byId("start").hidden = true;
+    this.answer.clear();
+    this.bench.surface = surface;
+    this.scene.show(surface);
+    this.onSurface();
+    this.scene.up = parameters?.get("up") ?? SAMPLES.find((sample) => sample.name === surface.name)?.up ?? "y";
+    this.scene.fit();
+    if (parameters?.has("camera")) this.scene.view = parameters.get("camera")!;
+    if (this.mode.kind !== surface.kind) this.mode = this.modes.find((mode) => mode.kind === surface.kind)!;
+    this.chooser.show(this.chooser.known, surface);
+    this.chooser.expect(surface.kind);
+    this.enterMode(parameters);
+  }
+
+  async openSample(sample: Sample): Promise<void> {
+    if (this.chooser.known[sample.kind].includes(sample.name)) return this.open(sample.kind, sample.name);
+    const { name, text } = sample.file();
+    await this.upload(sample.kind, { name, body: new Blob([text]) }, {});
+  }
+
+  private async upload(kind: Kind, file: { name: string; body: Blob }, query: Record<string, string>): Promise<void> {
+    this.opening?.abort();
+    const opening = (this.opening = new AbortController());
+    const onUpload = (what: string, part: number): void => this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
+    let made: Description | undefined;
+    try {
+      made = await upload(this.api, kind, file, query, onUpload, opening.signal);
+      await this.list();
+    } catch (error) {
+      this.fail(error);
+    }
+    this.answer.hideProgress();
+    this.opening = undefined;
+    if (made) await this.open(kind, made.name);
+    if (made) this.answer.showRequests([{ method: "PUT", path: `/v1/${kind}/${made.name}`, query, file }, ...this.bench.made]);
+  }
+
+  private async remove(): Promise<void> {
+    const surface = this.bench.surface;
+    if (!surface || !confirm(`Delete ${surface.name} from the daemon, for everybody?`)) return;
+    try {
+      await this.api.send({ method: "DELETE", path: surface.path });
+      this.bench.surface = undefined;
+      this.scene.show(undefined);
+      this.points.reset([]);
+      this.handles.update();
+      history.replaceState(null, "", " ");
+      await this.list();
+      byId("start").hidden = false;
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  // --- modes ---------------------------------------------------------------------------------------------------------
+
+  /** Changes the mode; where it needs another kind of surface, one of that kind is opened. */
+  async choose(mode: Mode): Promise<void> {
+    if (mode === this.mode && this.bench.surface?.kind === mode.kind) return;
+    this.leaveMode();
+    this.mode = mode;
+    const kind = mode.kind;
+    if (this.bench.surface?.kind === kind) return this.enterMode();
+    const known = this.chooser.known[kind].find((name) => !name.endsWith("-limit") && !name.endsWith("-mesh"));
+    if (known) await this.open(kind, known);
+    else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
+  }
+
+  private leaveMode(): void {
+    this.bench.abort();
+    this.mode.clear();
+    this.answer.clear();
+  }
+
+  private enterMode(parameters?: URLSearchParams): void {
+    const { mode, points, bench } = this;
+    points.reset(mode.groups);
+    mode.settings.restore(parameters ?? new URLSearchParams());
+    mode.enter();
+    byId("hint").textContent = mode.hint;
+    byId("mode").replaceChildren(...mode.settings.elements(), ...mode.extras());
+    for (const group of mode.groups) {
+      const text = parameters?.get(group.id);
+      if (text) points.restore(group.id, text, bench.surface!);
+    }
+    if (points.all.length === 0) this.setFirstPoints();
+    this.changed(false);
+  }
+
+  /** As many points as the mode wants at least, where the surface is seen about the middle of the picture. */
+  private setFirstPoints(): void {
+    const { x, y } = this.scene.size;
+    const places = SPOTS.map((spot) => this.scene.pick({ x: x / 2 + spot.x * Math.min(x, y) * 2, y: y / 2 + spot.y * Math.min(x, y) * 2 }));
+    const found = places.filter((place) => place !== null);
+    for (const group of this.mode.groups) this.points.set(group.id, found.splice(0, group.least));
+  }
+
+  /** Points or settings have changed: ask again, newest first. */
+  changed(live: boolean): void {
+    this.handles.update();
+    this.tell();
+    this.writeState();
+    if (live && !this.mode.followsDrag) return;
+    this.bench.abortJob();
+    this.asker.put(live);
+  }
+
+  private async ask(live: boolean): Promise<void> {
+    const { bench, mode, points } = this;
+    if (!bench.surface || bench.surface.kind !== mode.kind) return;
+    if (!points.complete) return mode.clear();
+    bench.begin();
+    try {
+      await mode.ask(live);
+      if (live) this.rate.count();
+    } catch (error) {
+      if (!isAbort(error)) mode.clear();
+      this.fail(error);
+    }
+    bench.end();
+    this.tell();
+  }
+
+  // --- the rest of the page ------------------------------------------------------------------------------------------
+
+  private tell(): void {
+    for (const watch of this.watchers) watch();
+  }
+
+  get busy(): boolean {
+    return this.asker.busy || this.opening !== undefined;
+  }
+
+  /** Drops the question and the upload under way. */
+  cancel(): void {
+    this.bench.abort();
+    this.opening?.abort();
+  }
+
+  showFacts(): void {
+    this.chooser.showFacts(this.bench.surface, this.units);
+  }
+
+  /** Sets a point where a pixel shows the surface. */
+  addAt(pixel: Pixel): void {
+    const place = this.scene.pick(pixel);
+    if (place) this.points.add(place);
+  }
+
+  writeState(): void {
+    this.state.write(() => this.read());
+  }
+
+  read(): Record<string, string> {
+    const { surface } = this.bench;
+    if (!surface) return {};
+    const groups = this.mode.groups.map((group) => [group.id, this.points.text(group.id)] as const).filter(([, text]) => text);
+    return {
+      [surface.kind]: surface.name,
+      mode: this.mode.id,
+      ...Object.fromEntries(groups),
+      ...this.mode.settings.read(),
+      ...(this.scene.up === "z" && { up: "z" }),
+      camera: this.scene.view,
+    };
+  }
+}
+

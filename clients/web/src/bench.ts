@@ -1,0 +1,109 @@
+// What every mode works with: the surface, its points, the picture, the panel, and calls that belong to the present question.
+
+import type { Answer } from "./answer.ts";
+import { type Api, errorOf, type Request } from "./api.ts";
+import { runJob } from "./jobs.ts";
+import type { Legend } from "./legend.ts";
+import type { Points } from "./points.ts";
+import type { Scene } from "./scene.ts";
+import type { Surface } from "./surface.ts";
+import type { Units } from "./units.ts";
+
+/** From so many faces on what takes long is a job, with progress and a way to cancel. */
+const JOB_FACES = 20000;
+
+export interface Display {
+  ramp: string;
+}
+
+export class Bench {
+  surface: Surface | undefined;
+  /** How long the last answer took, in milliseconds. */
+  elapsed = 0;
+  /** The last answer, as it came. */
+  last: unknown;
+  private requests: Request[] = [];
+  private running: AbortController | undefined;
+  private isJob = false;
+
+  constructor(
+    readonly api: Api,
+    readonly scene: Scene,
+    readonly points: Points,
+    readonly answer: Answer,
+    readonly legend: Legend,
+    readonly units: Units,
+    readonly display: Display,
+  ) {}
+
+  /** Begins a question. */
+  begin(): void {
+    this.running = new AbortController();
+    this.requests = [];
+    this.isJob = false;
+  }
+
+  /** Ends it: the requests that it made are shown. */
+  end(): void {
+    this.answer.hideProgress();
+    this.answer.showRequests(this.requests);
+  }
+
+  /** The requests of the question. */
+  get made(): Request[] {
+    return this.requests;
+  }
+
+  /** Drops the question under way; its work at the daemon, too, if it is a job. */
+  abort(): void {
+    this.running?.abort();
+  }
+
+  /** A job is not waited for when something newer is asked. */
+  abortJob(): void {
+    if (this.isJob) this.abort();
+  }
+
+  get aborted(): boolean {
+    return this.running?.signal.aborted ?? false;
+  }
+
+  private async timed(request: Request, send: () => Promise<Response>): Promise<Response> {
+    this.requests.push(request);
+    const started = performance.now();
+    const response = await send();
+    if (!response.ok) throw await errorOf(response);
+    this.elapsed = performance.now() - started;
+    return response;
+  }
+
+  private async parsed<T>(response: Response): Promise<T> {
+    const answer = (await response.json()) as T;
+    this.running?.signal.throwIfAborted();
+    this.last = answer;
+    return answer;
+  }
+
+  /** A question of the surface: `query` is what stands behind its name. */
+  async post<T>(query: string, json: unknown, parameters?: Record<string, string>): Promise<T> {
+    const request: Request = { method: "POST", path: `${this.surface!.path}/${query}`, query: parameters, json };
+    return this.parsed(await this.timed(request, () => this.api.fetch(request, this.running?.signal)));
+  }
+
+  async get(path: string, parameters?: Record<string, string>, accept?: string): Promise<Response> {
+    const request: Request = { method: "GET", path: `${this.surface!.path}/${path}`, query: parameters, accept };
+    return this.timed(request, () => this.api.fetch(request, this.running?.signal));
+  }
+
+  /** A question that may take long; on large surfaces a job. */
+  async postLong<T>(query: string, json: unknown, parameters?: Record<string, string>): Promise<T> {
+    if (this.surface!.faceCount < JOB_FACES) return this.post(query, json, parameters);
+    const request: Request = { method: "POST", path: `${this.surface!.path}/${query}`, query: parameters, json };
+    this.isJob = true;
+    const running = this.running!;
+    const onProgress = (part: number): void => this.answer.showProgress("Working", part, () => running.abort());
+    return this.parsed(await this.timed(request, () => runJob(this.api, request, onProgress, running.signal)));
+  }
+}
+
+export const isAbort = (error: unknown): boolean => error instanceof DOMException && error.name === "AbortError";

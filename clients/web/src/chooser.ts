@@ -1,0 +1,144 @@
+// Which surface: those that the daemon has, samples, and files.
+
+import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
+import { button, byId, freshId, make } from "./dom.ts";
+import { SAMPLES, type Sample } from "./samples.ts";
+import type { Kind, Surface } from "./surface.ts";
+import { type Units, whole } from "./units.ts";
+
+const KINDS: [Kind, string][] = [
+  ["meshes", "Meshes"],
+  ["subdivisions", "Subdivision surfaces"],
+  ["nurbs", "NURBS surfaces"],
+];
+
+/** What a file is uploaded as: value, label, kind and parameters. */
+const UPLOADS: [string, string, Kind, Record<string, string>][] = [
+  ["mesh", "a mesh", "meshes", {}],
+  ["mended", "a mesh, mended where it is no surface", "meshes", { repair: "split", weld: "0" }],
+  ["cage", "a Catmull-Clark control cage", "subdivisions", { scheme: "catmull_clark" }],
+  ["loop", "a Loop control cage", "subdivisions", { scheme: "loop" }],
+  ["nurbs", "a NURBS surface (JSON)", "nurbs", {}],
+];
+
+export interface ChooserCalls {
+  open: (kind: Kind, name: string) => void;
+  sample: (sample: Sample) => void;
+  upload: (file: File, kind: Kind, query: Record<string, string>) => void;
+  remove: () => void;
+}
+
+export class Chooser {
+  private readonly select: HTMLSelectElement;
+  private readonly how: HTMLSelectElement;
+  private readonly file = make("input", { type: "file", id: "file", accept: ".obj,.ply,.stl,.off,.json", "aria-label": "File to upload" });
+  private readonly facts = make("p", { class: "faint", id: "surface-facts" });
+  private readonly remove: HTMLButtonElement;
+  private names: Record<Kind, string[]> = { meshes: [], subdivisions: [], nurbs: [] };
+
+  constructor(private readonly calls: ChooserCalls) {
+    const [selectId, howId] = [freshId(), freshId()];
+    this.select = make("select", { id: selectId, change: () => this.choose() });
+    this.how = make("select", { id: howId }, ...UPLOADS.map(([value, label]) => make("option", { value }, label)));
+    this.remove = button("Delete it from the daemon", calls.remove, { class: "quiet" });
+    this.file.addEventListener("change", () => {
+      if (this.file.files?.[0]) this.take(this.file.files[0]);
+      this.file.value = "";
+    });
+    this.build(selectId, howId);
+    this.listenForDrops();
+  }
+
+  private build(selectId: string, howId: string): void {
+    const pick = button("Upload a file", () => this.file.click());
+    const samples = SAMPLES.map((sample) => button(sample.title, () => this.calls.sample(sample)));
+    byId("chooser").append(
+      make("div", { class: "field" }, make("label", { for: selectId }, "On the daemon"), this.select),
+      this.facts,
+      make("div", { class: "row" }, pick, this.file),
+      make(
+        "details",
+        {},
+        make("summary", {}, "Samples, and how to read files"),
+        make("div", { class: "row" }, ...samples),
+        make("div", { class: "field" }, make("label", { for: howId }, "A file is"), this.how),
+        this.remove,
+      ),
+    );
+    byId("start-samples").append(...SAMPLES.map((sample) => button(sample.title, () => this.calls.sample(sample))));
+  }
+
+  private choose(): void {
+    const [kind, name] = this.select.value.split("/") as [Kind, string];
+    if (name) this.calls.open(kind, name);
+  }
+
+  private take(file: File): void {
+    const [, , kind, query] = UPLOADS.find(([value]) => value === this.how.value)!;
+    this.calls.upload(file, kind, query);
+  }
+
+  private listenForDrops(): void {
+    const sign = byId("drop");
+    addEventListener("dragover", (event) => {
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      sign.hidden = false;
+    });
+    addEventListener("dragleave", (event) => {
+      if (!event.relatedTarget) sign.hidden = true;
+    });
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      sign.hidden = true;
+      const file = event.dataTransfer?.files[0];
+      if (file) this.take(file);
+    });
+  }
+
+  /** What the daemon has, and what is open. */
+  show(names: Record<Kind, string[]>, open: Surface | undefined): void {
+    this.names = names;
+    const groups = KINDS.filter(([kind]) => names[kind].length > 0).map(([kind, label]) =>
+      make("optgroup", { label }, ...names[kind].map((name) => make("option", { value: `${kind}/${name}` }, name))),
+    );
+    const nothing = make("option", { value: "" }, groups.length > 0 ? "Choose a surface" : "Nothing yet");
+    this.select.replaceChildren(nothing, ...groups);
+    this.select.value = open ? `${open.kind}/${open.name}` : "";
+    this.remove.hidden = !open;
+  }
+
+  get known(): Record<Kind, string[]> {
+    return this.names;
+  }
+
+  /** Files are read as this, until the user says otherwise. */
+  expect(kind: Kind): void {
+    if (UPLOADS.find(([value]) => value === this.how.value)![2] !== kind) this.how.value = UPLOADS.find((row) => row[2] === kind)![0];
+  }
+
+  showFacts(surface: Surface | undefined, units: Units): void {
+    this.facts.textContent = surface ? factsOf(surface, units) : "";
+  }
+}
+
+const plural = (count: number, one: string, many: string): string => `${whole(count)} ${count === 1 ? one : many}`;
+
+function meshFacts(mesh: Mesh, units: Units): string {
+  const parts = [`${whole(mesh.faces)} faces`, `area ${units.area(mesh.area)}`];
+  if (mesh.components !== 1) parts.push(plural(mesh.components, "component", "components"));
+  if (mesh.boundaries.length) parts.push(plural(mesh.boundaries.length, "boundary", "boundaries"));
+  if (mesh.genus) parts.push(`genus ${mesh.genus}`);
+  return parts.join(", ");
+}
+
+function factsOf(surface: Surface, units: Units): string {
+  if (surface.kind === "meshes") return meshFacts(surface.mesh, units);
+  const shown = `Shown by the mesh ${surface.mesh.name} of ${whole(surface.faceCount)} faces.`;
+  if (surface.kind === "nurbs") {
+    const { shape, degree, control_points: points } = surface.description as Nurbs;
+    return `${points ? `${points.join(" × ")} control points of degree ${degree!.join(" × ")}. ` : `A ${shape}. `}${shown}`;
+  }
+  const { scheme, faces } = surface.description as Subdivision;
+  return `${scheme === "loop" ? "Loop" : "Catmull-Clark"}, ${plural(faces, "face", "faces")} of the control mesh. ${shown}`;
+}

@@ -1,0 +1,71 @@
+// Colours of values and of members: ramps of even lightness, and hues as far apart as they can be. In OKLab (Ottosson 2020), where equal steps look equal.
+
+export type Rgb = [number, number, number];
+
+/** Anchors from dark to light. */
+const RAMPS: Record<string, string[]> = {
+  dusk: ["#1b1464", "#24569c", "#1e8e9b", "#54bf83", "#b9e06c", "#fdf5a6"],
+  ember: ["#1f0c3a", "#6a1a5e", "#b93556", "#ec6d43", "#f8b44c", "#fdf3c0"],
+  slate: ["#1f2933", "#4c5b68", "#8496a3", "#bccad2", "#f2f6f8"],
+};
+
+export const RAMP_NAMES = Object.keys(RAMPS);
+
+function parse(hex: string): Rgb {
+  const bits = Number.parseInt(hex.slice(1), 16);
+  return [(bits >> 16) / 255, ((bits >> 8) & 255) / 255, (bits & 255) / 255];
+}
+
+const toLinear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+const fromLinear = (c: number): number => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+
+function toLab(rgb: Rgb): Rgb {
+  const [r, g, b] = rgb.map(toLinear) as Rgb;
+  const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return [
+    0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s,
+    1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
+  ];
+}
+
+function fromLab([lightness, a, b]: Rgb): Rgb {
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  const linear: Rgb = [
+    4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+    -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+    -0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s,
+  ];
+  return linear.map((c) => Math.min(1, Math.max(0, fromLinear(Math.max(0, c))))) as Rgb;
+}
+
+const mix = (a: Rgb, b: Rgb, t: number): Rgb => a.map((x, i) => x + t * (b[i]! - x)) as Rgb;
+
+/** `size` colours of a ramp as bytes, red, green, blue, 255. */
+export function rampBytes(name: string, size: number): Uint8Array<ArrayBuffer> {
+  const anchors = (RAMPS[name] ?? RAMPS.dusk!).map((hex) => toLab(parse(hex)));
+  const bytes = new Uint8Array(4 * size);
+  for (let i = 0; i < size; i++) {
+    const at = (i / (size - 1)) * (anchors.length - 1);
+    const low = Math.min(Math.floor(at), anchors.length - 2);
+    const rgb = fromLab(mix(anchors[low]!, anchors[low + 1]!, at - low));
+    bytes.set([...rgb.map((c) => Math.round(c * 255)), 255], 4 * i);
+  }
+  return bytes;
+}
+
+const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
+
+/** The colour of member i of a set: any number of members have different hues. */
+export function memberColour(i: number, lightness = 0.72): Rgb {
+  const hue = 0.6 + i * GOLDEN_ANGLE;
+  const light = lightness - 0.06 * (Math.floor(i / 8) % 3);
+  return fromLab([light, 0.12 * Math.cos(hue), 0.12 * Math.sin(hue)]);
+}
+
+export const hexOf = (rgb: Rgb): string =>
+  `#${rgb.map((c) => Math.round(c * 255).toString(16).padStart(2, "0")).join("")}`;

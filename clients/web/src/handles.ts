@@ -1,0 +1,116 @@
+// The points as buttons over the picture: they can be dragged by mouse, pen and finger, and moved by the arrow keys.
+
+import { make } from "./dom.ts";
+import type { Mark, Points } from "./points.ts";
+import type { Pixel, Scene } from "./scene.ts";
+
+const STEP = 4; /* pixels an arrow key moves a point */
+const LARGE_STEP = 24; /* with Shift */
+const ARROWS: Record<string, Pixel> = {
+  ArrowLeft: { x: -1, y: 0 },
+  ArrowRight: { x: 1, y: 0 },
+  ArrowUp: { x: 0, y: -1 },
+  ArrowDown: { x: 0, y: 1 },
+};
+
+export class Handles {
+  private marks: Mark[] = [];
+  private readonly buttons: HTMLButtonElement[] = [];
+  private dragged: { mark: Mark; offset: Pixel } | null = null;
+
+  constructor(
+    private readonly layer: HTMLElement,
+    private readonly scene: Scene,
+    private readonly points: Points,
+  ) {}
+
+  get dragging(): boolean {
+    return this.dragged !== null;
+  }
+
+  /** A button for each point, as they are now. Buttons stay, so that the focus does. */
+  update(): void {
+    this.marks = this.points.all;
+    while (this.buttons.length > this.marks.length) this.buttons.pop()!.remove();
+    while (this.buttons.length < this.marks.length) this.append();
+    this.marks.forEach((mark, i) => this.describe(this.buttons[i]!, mark));
+    this.place();
+  }
+
+  private describe(node: HTMLButtonElement, mark: Mark): void {
+    const label = this.points.labelOf(mark);
+    node.setAttribute("aria-label", label);
+    node.title = `${label}: drag it, or move it by the arrow keys`;
+    node.style.setProperty("--mark", mark.group.colour);
+    node.textContent = mark.group.most === 1 ? "" : String(mark.index + 1);
+  }
+
+  private append(): void {
+    const i = this.buttons.length;
+    const node = make("button", {
+      type: "button",
+      class: "handle",
+      pointerdown: (event: PointerEvent) => this.begin(event, i),
+      pointermove: (event: PointerEvent) => this.drag(event),
+      pointerup: () => this.end(),
+      pointercancel: () => this.end(),
+      keydown: (event: KeyboardEvent) => this.key(event, i),
+    });
+    this.buttons.push(node);
+    this.layer.append(node);
+  }
+
+  /** Puts the buttons where their points are seen now. */
+  place(): void {
+    this.marks.forEach((mark, i) => {
+      const { x, y } = this.scene.project(mark.place.xyz);
+      const node = this.buttons[i]!;
+      node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+      node.classList.toggle("behind", this.scene.hides(mark.place.xyz));
+    });
+  }
+
+  private pixelOf(event: PointerEvent): Pixel {
+    const box = this.layer.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+
+  private begin(event: PointerEvent, i: number): void {
+    if (event.button !== 0) return;
+    const mark = this.marks[i]!;
+    const [at, pixel] = [this.scene.project(mark.place.xyz), this.pixelOf(event)];
+    this.buttons[i]!.setPointerCapture(event.pointerId);
+    this.dragged = { mark, offset: { x: at.x - pixel.x, y: at.y - pixel.y } };
+  }
+
+  private drag(event: PointerEvent): void {
+    if (!this.dragged) return;
+    const { mark, offset } = this.dragged;
+    const pixel = this.pixelOf(event);
+    const place = this.scene.pick({ x: pixel.x + offset.x, y: pixel.y + offset.y });
+    if (place) this.points.move(mark, place, true);
+  }
+
+  private end(): void {
+    if (!this.dragged) return;
+    const { mark } = this.dragged;
+    this.dragged = null;
+    this.points.move(mark, mark.place, false);
+  }
+
+  private key(event: KeyboardEvent, i: number): void {
+    const mark = this.marks[i]!;
+    const arrow = ARROWS[event.key];
+    if (arrow) this.step(mark, arrow, event.shiftKey ? LARGE_STEP : STEP);
+    else if (event.key === "Delete" || event.key === "Backspace") this.points.remove(mark);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  private step(mark: Mark, arrow: Pixel, size: number): void {
+    const at = this.scene.project(mark.place.xyz);
+    const place = this.scene.pick({ x: at.x + arrow.x * size, y: at.y + arrow.y * size });
+    if (place) this.points.move(mark, place, false);
+  }
+}

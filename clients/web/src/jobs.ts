@@ -1,0 +1,59 @@
+// Long work as a job of the daemon: its progress is watched, and it can be cancelled.
+
+import type { Job } from "../../js/types.d.ts";
+import { type Api, errorOf, type Request } from "./api.ts";
+
+export type OnProgress = (part: number, state: Job["state"]) => void;
+
+/** The data of the server-sent events of a stream, one after the other. */
+async function* events(response: Response): AsyncGenerator<Job> {
+  const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
+  let text = "";
+  for (let read = await reader.read(); !read.done; read = await reader.read()) {
+    const parts = (text + read.value).split("\n\n");
+    text = parts.pop()!;
+    for (const part of parts) {
+      const data = part.split("\n").find((line) => line.startsWith("data: "));
+      if (data) yield JSON.parse(data.slice(6)) as Job;
+    }
+  }
+}
+
+const hasEnded = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
+
+/** Follows a job until it has ended; a stream that ends early is opened again. */
+async function follow(api: Api, path: string, onProgress: OnProgress, signal?: AbortSignal): Promise<Job> {
+  for (;;) {
+    const stream = await api.fetch({ method: "GET", path: `${path}/events`, accept: "text/event-stream" }, signal);
+    if (!stream.ok) throw await errorOf(stream);
+    for await (const job of events(stream)) {
+      onProgress(job.progress, job.state);
+      if (hasEnded(job)) return job;
+    }
+  }
+}
+
+/** Waits for a job and answers what its request would have answered itself. An abort cancels the job at the daemon, too. */
+export async function followJob(
+  api: Api,
+  path: string,
+  accept: string | undefined,
+  onProgress: OnProgress,
+  signal?: AbortSignal,
+): Promise<Response> {
+  try {
+    const job = await follow(api, path, onProgress, signal);
+    if (job.state === "cancelled") throw new Error("The work was cancelled.");
+    return await api.fetch({ method: "GET", path: `${path}/result`, accept }, signal);
+  } catch (error) {
+    if (signal?.aborted) await api.fetch({ method: "DELETE", path }).catch(() => {});
+    throw error;
+  }
+}
+
+/** Sends a request as a job and answers as if it had been none. */
+export async function runJob(api: Api, request: Request, onProgress: OnProgress, signal?: AbortSignal): Promise<Response> {
+  const accepted = await api.fetch(request, signal, { Prefer: "respond-async" });
+  if (accepted.status !== 202) return accepted;
+  return followJob(api, accepted.headers.get("Location")!, request.accept, onProgress, signal);
+}

@@ -1,0 +1,31 @@
+// The shortest path between two points.
+
+import type { PathAnswer } from "../../../js/types.d.ts";
+import { pointOf } from "../place.ts";
+import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
+
+export class PairMode extends Mode {
+  readonly id = "pair";
+  readonly title = "Shortest path";
+  readonly hint = "Click two points. Drag them, and the exact shortest path follows.";
+  readonly groups = [
+    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
+    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
+  ];
+
+  async ask(): Promise<void> {
+    const { points, units, answer } = this.bench;
+    const [from, to] = [points.of("from")[0]!, points.of("to")[0]!];
+    const found = await this.bench.post<PathAnswer>("path", { from: pointOf(from), to: pointOf(to) }, XYZ);
+    const line = pointsOf(found.path);
+    this.lines("path", [line], INK.path, 4);
+    if (found.distance === null) return answer.show([{ label: "Distance", value: "no path: the points lie on different components", main: true }]);
+    const straight = Math.hypot(...from.xyz.map((x, axis) => x - to.xyz[axis]!));
+    answer.show([
+      { label: "Distance", value: units.length(found.distance!, 10), main: true, title: String(found.distance) },
+      { label: "Straight through space", value: units.length(straight) },
+      { label: "Edges crossed", value: String(Math.max(0, line.length - 2)) },
+      this.time,
+    ]);
+  }
+}

@@ -1,0 +1,66 @@
+// The points as text: each can be read, typed in any form that the API takes, and removed.
+
+import type { PointAnswer } from "../../js/types.d.ts";
+import type { App } from "./app.ts";
+import { button, byId, make } from "./dom.ts";
+import { compactOf, placeOf } from "./place.ts";
+import type { Mark } from "./points.ts";
+
+export class PointList {
+  private readonly body = make("div");
+
+  constructor(private readonly app: App) {
+    const { points } = app;
+    const hint = "A point is v:12 (a vertex), e:3-9:0.25 (on an edge), f:34:0.2,0.3,0.5 (in a face) or p:1,2,3 (the nearest point of the surface).";
+    byId("points").append(make("p", { class: "faint" }, hint), this.body, button("Remove all points", () => points.clear()));
+    app.watchers.push(() => this.show());
+    byId("points").addEventListener("toggle", () => this.show());
+  }
+
+  /** Rows are kept while one of them has the focus, so that typing is not disturbed. */
+  private show(): void {
+    if (!byId<HTMLDetailsElement>("points").open || this.body.contains(document.activeElement)) return;
+    this.body.replaceChildren(...this.app.points.groups.flatMap((_, g) => this.rows(g)));
+  }
+
+  private rows(g: number): HTMLElement[] {
+    const { points } = this.app;
+    const group = points.groups[g]!;
+    const marks = points.all.filter((mark) => mark.group === group);
+    const rows = marks.map((mark) => this.row(points.labelOf(mark), compactOf(mark.place), (text) => this.move(mark, text), () => points.remove(mark)));
+    if (marks.length < group.most) rows.push(this.row(`${group.label}, a new one`, "", (text) => this.add(g, text)));
+    return rows;
+  }
+
+  private row(label: string, value: string, take: (text: string) => Promise<void>, remove?: () => void): HTMLElement {
+    const input = make("input", { type: "text", value, "aria-label": label, spellcheck: "false", autocomplete: "off", placeholder: "v:12" });
+    input.addEventListener("change", () => {
+      input.blur();
+      if (input.value) void take(input.value).then(() => this.show());
+    });
+    const more = remove ? [button("Remove", remove, { "aria-label": `Remove ${label}` })] : [];
+    return make("div", { class: "point" }, make("span", {}, label), input, ...more);
+  }
+
+  /** The place that a compact point names, as the daemon understands it. */
+  private async place(text: string): Promise<Mark["place"] | null> {
+    const { api, answer, bench } = this.app;
+    try {
+      return placeOf(await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }));
+    } catch (error) {
+      answer.fail(error);
+      return null;
+    }
+  }
+
+  private async move(mark: Mark, text: string): Promise<void> {
+    const place = await this.place(text);
+    if (place) this.app.points.move(mark, place, false);
+  }
+
+  private async add(g: number, text: string): Promise<void> {
+    const place = await this.place(text);
+    this.app.points.active = g;
+    if (place) this.app.points.add(place);
+  }
+}

@@ -1,0 +1,46 @@
+// Clicks and keys on the picture: a click sets a point, a drag turns the camera.
+
+import type { Pixel, Scene } from "./scene.ts";
+
+const SLACK = 5; /* pixels that a click may move */
+const TURN = Math.PI / 36; /* of an arrow key */
+
+export class Touch {
+  private down: Pixel | null = null;
+
+  constructor(
+    private readonly scene: Scene,
+    private readonly onClick: (pixel: Pixel) => void,
+  ) {
+    const { canvas } = scene;
+    canvas.addEventListener("pointerdown", (event) => (this.down = event.isPrimary && event.button === 0 ? pixelOf(event) : null));
+    canvas.addEventListener("pointerup", (event) => this.up(event));
+    canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  private up(event: PointerEvent): void {
+    const at = pixelOf(event);
+    if (this.down && event.isPrimary && Math.hypot(at.x - this.down.x, at.y - this.down.y) <= SLACK) this.onClick(at);
+    this.down = null;
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const { scene } = this;
+    const actions: Record<string, () => void> = {
+      ArrowLeft: () => scene.turn(-TURN, 0),
+      ArrowRight: () => scene.turn(TURN, 0),
+      ArrowUp: () => scene.turn(0, TURN),
+      ArrowDown: () => scene.turn(0, -TURN),
+      "+": () => scene.zoom(1.15),
+      "=": () => scene.zoom(1.15),
+      "-": () => scene.zoom(1 / 1.15),
+    };
+    const action = actions[event.key];
+    if (!action) return;
+    action();
+    event.preventDefault();
+  }
+}
+
+const pixelOf = (event: PointerEvent): Pixel => ({ x: event.offsetX, y: event.offsetY });

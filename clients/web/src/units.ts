@@ -1,0 +1,52 @@
+// Numbers for people: lengths in the unit of their choice, bytes, counts, times.
+
+/** Metres of each unit that a file may be in; a file does not say. */
+const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, km: 1000, in: 0.0254, ft: 0.3048 };
+
+export const UNITS = ["units", ...Object.keys(METRES)];
+
+export class Units {
+  /** Of the file. */
+  file = "units";
+  /** On the screen. */
+  shown = "units";
+
+  private get factor(): number {
+    return METRES[this.file] && METRES[this.shown] ? METRES[this.file]! / METRES[this.shown]! : 1;
+  }
+
+  /** What is really shown: of a file without a unit nothing can be converted. */
+  get name(): string {
+    return METRES[this.file] ? (METRES[this.shown] ? this.shown : this.file) : "units";
+  }
+
+  length(value: number, digits = 6): string {
+    return `${number(value * this.factor, digits)} ${this.name}`;
+  }
+
+  area(value: number): string {
+    return `${number(value * this.factor ** 2, 5)} ${this.name}²`;
+  }
+}
+
+/** So many significant digits; powers of ten only where the plain form would be long. */
+export function number(value: number, digits = 6): string {
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(digits - 1).replace("e-", "e−").replace("e+", "e");
+  return value.toLocaleString("en", { maximumSignificantDigits: digits }).replace("-", "−").replaceAll(",", "\u202f");
+}
+
+export const whole = (value: number): string => value.toLocaleString("en").replaceAll(",", "\u202f");
+
+export function bytes(count: number): string {
+  const names = ["B", "KiB", "MiB", "GiB", "TiB"];
+  let unit = 0;
+  for (; count >= 1024 && unit < names.length - 1; unit++) count /= 1024;
+  return `${number(count, 3)} ${names[unit]}`;
+}
+
+export function milliseconds(ms: number): string {
+  return ms >= 1000 ? `${number(ms / 1000, 3)} s` : `${number(ms, ms < 10 ? 2 : 3)} ms`;
+}
+
+export const degrees = (radians: number): string => `${number((radians * 180) / Math.PI, 5)}°`;
