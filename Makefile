@@ -51,7 +51,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 .PHONY: help setup build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
 
 # --- for people ----------------------------------------------------------------------------------------------------------
 
@@ -77,6 +77,7 @@ demo-stop: ## stop the demo's daemon
 serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
+test: PACKAGES += debhelper lintian pkg-config haproxy # wanted by tests only
 test: setup nurbs-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
@@ -85,7 +86,7 @@ test: setup nurbs-peers ## set up and run all tests
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py tests/api/run.py "tests/package/run.py --build $(BUILD)" $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py is skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0
@@ -240,10 +241,7 @@ $(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
 $(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
 	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
 
-PREFIX ?= /usr/local
-$(BUILD)/geodesicd-client.pc: clients/c/geodesicd-client.pc.in proto/openapi.yaml
-	@mkdir -p $(@D)
-	sed "s|@PREFIX@|$(PREFIX)|; s|@VERSION@|$$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)|" $< > $@
+include docker/packages.mk
 
 # --- generated sources: the route table and the embedded pages ------------------------------------------------------------
 

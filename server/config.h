@@ -45,8 +45,9 @@ struct server_config {
     uint64_t max_faces;                                             /* triangles */
     uint64_t timeout_ms;                                            /* most time that a request may take */
     uint64_t drain_ms;                                              /* most time that a shutdown waits for requests */
-    uint64_t job_ttl_s;                                             /* how long an ended job is kept */
-    uint64_t max_jobs;                                              /* most jobs, ended ones included */
+    uint64_t drain_delay_ms; /* how long a shutdown serves on before it begins to drain, /readyz saying 503 */
+    uint64_t job_ttl_s;      /* how long an ended job is kept */
+    uint64_t max_jobs;       /* most jobs, ended ones included */
     enum server_log_level log_level;
     enum server_store_kind store;
     char data_dir[SERVER_CONFIG_PATH];

@@ -188,6 +188,16 @@ static void wait_until_idle(struct server *server, uint64_t until_ns)
         pause_briefly();
 }
 
+/* Whoever asks /readyz turns elsewhere meanwhile; requests that come all the same are answered, and their connections closed. */
+static void stand_aside(struct server *server)
+{
+    uint64_t ms = server->config.drain_delay_ms;
+    struct timespec rest = {(time_t)(ms / 1000), (long)(ms % 1000) * 1000000};
+    atomic_store(&server->draining, true);
+    if (ms) server_log_message(SERVER_LOG_INFO, "standing_aside", "for %llu ms", (unsigned long long)ms);
+    while (nanosleep(&rest, &rest) != 0) continue;
+}
+
 static void remove_socket(const struct server_address *address)
 {
     if (address->socket.ss_family == AF_UNIX) unlink(((const struct sockaddr_un *)&address->socket)->sun_path);
@@ -207,7 +217,7 @@ static void persist(struct server *server)
 
 void server_stop(struct server *server)
 {
-    atomic_store(&server->draining, true);
+    stand_aside(server);
     server_log_message(SERVER_LOG_INFO, "draining", "%u requests under way", server_http_active(server->http));
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);

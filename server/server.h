@@ -6,9 +6,9 @@
  * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
  * Budget and metrics are atomic.
  *
- * Shutdown: draining (readyz 503, no new connections, answers close theirs) -> at the drain deadline workers are
- * cancelled -> every deferred exchange and the background have finished -> HTTP stops -> uses and fields are persisted, within ten
- * seconds -> the parts are destroyed. */
+ * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections, all else goes on) -> draining (no
+ * new connections) -> at the drain deadline workers are cancelled -> every deferred exchange and the background have finished -> HTTP
+ * stops -> uses and fields are persisted, within ten seconds -> the parts are destroyed. */
 #ifndef SERVER_SERVER_H
 #define SERVER_SERVER_H
 
@@ -71,7 +71,7 @@ struct server *server_start(const struct server_config *config, char *error, siz
 /* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By one thread at a time. */
 void server_reload(struct server *server);
 
-/* Drains, stops, frees. Returns within drain_ms and the few seconds that the last answers need to leave. */
+/* Drains, stops, frees. Returns within drain_delay_ms, drain_ms and the few seconds that the last answers need to leave. */
 void server_stop(struct server *server);
 
 /* Counts an exchange as deferred, before it is submitted. */

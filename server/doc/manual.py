@@ -44,7 +44,7 @@ Each is also read from the environment (\fBGEODESICD_MAX_BODY\fR for \fB\-\-max\
 .SH SIGNALS
 .TP
 .BR SIGTERM ", " SIGINT
-Take no more requests, answer those under way (for \fB\-\-drain\-ms\fR at most), and end.
+Serve on for \fB\-\-drain\-delay\-ms\fR while /readyz says 503; then take no more requests, answer those under way (for \fB\-\-drain\-ms\fR at most), and end.
 .TP
 .B SIGHUP
 Read the keys and the certificate again. What can't be read is logged, and the old ones stay in force.

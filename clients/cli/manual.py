@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Prints the man page geodesic(1): its commands and options are those that the program tells of itself.
+
+usage: clients/cli/manual.py PROGRAM
+"""
+import os
+import re
+import subprocess
+import sys
+
+ITEM = re.compile(r"^  (\S.*?)(?:  +(\S.*))?$")
+
+BEFORE = r""".TH GEODESIC 1 "" "geodesicd {version}" "User commands"
+.SH NAME
+geodesic \- ask a geodesicd daemon for exact geodesics on surfaces
+.SH SYNOPSIS
+.B geodesic
+[\fB\-\-url\fR \fIURL\fR] [\fB\-\-key\fR \fIKEY\fR] \fICOMMAND\fR ...
+.SH DESCRIPTION
+.B geodesic
+uploads meshes to a
+.BR geodesicd (8)
+daemon and asks for distances, shortest paths and everything else that it answers.
+.PP
+A point is a vertex
+.RB ( v:12 ),
+a point of an edge
+.RB ( e:3\-9:0.25 )
+or of a face
+.RB ( f:34:0.2,0.3,0.5 ),
+or the point of the surface that is nearest to a place
+.RB ( p:1,2,3 ).
+"""
+
+AFTER = r""".SH ENVIRONMENT
+.TP
+.BR GEODESICD_URL ", " GEODESICD_KEY
+Where the daemon is, and its key.
+.SH EXAMPLES
+.EX
+geodesic upload bunny.obj
+geodesic distance bunny v:12 p:0.01,0.12,0.03
+geodesic field bunny v:12 >distances.csv
+.EE
+.SH SEE ALSO
+.BR geodesicd (8)
+"""
+
+
+def escape(text):
+    return text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq")
+
+
+def told(program, *arguments):
+    """What the program prints, in lines that are never broken."""
+    return subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE, text=True, env=dict(os.environ, COLUMNS="1000")).stdout
+
+
+def items(text):
+    """The pairs of name and explanation that a help text lists."""
+    return [match.groups("") for line in text.splitlines() if (match := ITEM.match(line.replace("    ", "  ", 1)))]
+
+
+def sentence(text):
+    return escape(text[0].upper() + text[1:]) + "."
+
+
+def print_items(pairs):
+    """Those that say more than the usage does."""
+    for name, text in pairs:
+        if text:
+            print(f".TP\n.B {escape(name)}\n{sentence(text)}")
+
+
+def main():
+    program = sys.argv[1]
+    commands, options = told(program, "--help").split("\noptions:\n")
+    print(BEFORE.replace("{version}", told(program, "--version").split()[-1]), end="")
+    print(".SH OPTIONS")
+    print_items(items(options))
+    for name, text in items(commands.partition("COMMAND\n")[2]):
+        help_text = told(program, name, "--help")
+        usage, _, details = help_text.partition("\n\n")
+        print(f".SS {escape(name)}\n.B {escape(usage.removeprefix('usage: '))}\n.PP\n{sentence(text)}")
+        print_items(pair for pair in items(details) if not pair[0].startswith("-h"))
+    print(AFTER, end="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,65 @@
+# Installation and packages. Included by the Makefile, whose variables it uses.
+#
+# One list says what goes where: for install, uninstall and the Debian packages (docker/debian).
+
+.PHONY: install uninstall deb test-package test-cluster FORCE
+
+PREFIX    ?= /usr/local
+LIBDIR    ?= $(PREFIX)/lib
+UNITDIR   ?= $(PREFIX)/lib/systemd/system
+DOCDIR    := $(PREFIX)/share/doc/geodesicd
+# where Python looks below PREFIX, if it looks there at all; the command geodesic looks there in any case
+PYTHONDIR ?= $(firstword $(wildcard $(PREFIX)/lib/python3.*/dist-packages) $(PREFIX)/lib/python3/dist-packages)
+
+# mode:file:place
+INSTALLED = 755:$(BUILD)/geodesicd:$(PREFIX)/bin/geodesicd \
+            644:$(BUILD)/geodesicd.8:$(PREFIX)/share/man/man8/geodesicd.8 \
+            644:$(BUILD)/geodesicd.service:$(UNITDIR)/geodesicd.service \
+            755:$(BUILD)/geodesic:$(PREFIX)/bin/geodesic \
+            644:$(BUILD)/geodesic.1:$(PREFIX)/share/man/man1/geodesic.1 \
+            644:clients/cli/geodesic.bash:$(PREFIX)/share/bash-completion/completions/geodesic \
+            $(foreach file,$(wildcard clients/python/geodesicd/*.py) clients/python/geodesicd/py.typed,644:$(file):$(PYTHONDIR)/geodesicd/$(notdir $(file))) \
+            644:$(LIB_ENGINE):$(LIBDIR)/libgeodesicd-engine.a \
+            644:$(LIB_CLIENT):$(LIBDIR)/libgeodesicd-client.a \
+            $(foreach name,engine client,644:$(BUILD)/geodesicd-$(name).pc:$(LIBDIR)/pkgconfig/geodesicd-$(name).pc) \
+            $(foreach header,$(wildcard engine/include/gd/*.h),644:$(header):$(PREFIX)/include/geodesicd/gd/$(notdir $(header))) \
+            644:clients/c/geodesicd.h:$(PREFIX)/include/geodesicd.h \
+            644:server/doc/guide.md:$(DOCDIR)/guide.md \
+            $(foreach name,alerts.yaml grafana-dashboard.json,644:docker/$(name):$(DOCDIR)/examples/$(name))
+
+install: $(foreach file,$(INSTALLED),$(word 2,$(subst :, ,$(file)))) ## install daemon, clients, libraries, man pages and unit (PREFIX=/usr/local DESTDIR=)
+	@IFS=:; for file in $(INSTALLED); do set -- $$file; install -Dm$$1 "$$2" "$(DESTDIR)$$3" || exit 1; done
+
+uninstall: ## remove what install has installed
+	@for file in $(INSTALLED); do rm -f "$(DESTDIR)$${file##*:}"; done
+	@rm -rf "$(DESTDIR)$(PYTHONDIR)/geodesicd/__pycache__"
+	@find $(foreach folder,$(PYTHONDIR)/geodesicd $(PREFIX)/include/geodesicd $(DOCDIR),"$(DESTDIR)$(folder)") -depth -type d -empty -delete 2>/dev/null || true
+
+$(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clients/python/geodesicd/*.py)
+	@mkdir -p $(@D)
+	clients/cli/manual.py clients/cli/geodesic > $@
+
+# Written anew each time, since PREFIX may have changed.
+VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
+FORCE:
+$(BUILD)/%.pc: FORCE
+	@mkdir -p $(@D)
+	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
+$(BUILD)/geodesicd.service: docker/geodesicd.service FORCE
+	@mkdir -p $(@D)
+	@sed "s|/usr/bin/|$(PREFIX)/bin/|" $< > $@
+$(BUILD)/geodesic: clients/cli/geodesic FORCE
+	@mkdir -p $(@D)
+	@sed '1s|/usr/bin/env python3|/usr/bin/python3|; s|^sys.path.append(.*$$|sys.path.append("$(PYTHONDIR)")|' $< > $@
+
+# Built in a copy of docker/debian, since dpkg wants its folder `debian`. DEB_BUILD=$(BUILD) packages what is built already, without the
+# hardening that dpkg-buildflags adds.
+DEB_BUILD ?= $(BUILD)/hardened
+deb: ## Debian packages: daemon, clients, libraries (wants debhelper)
+	@rm -rf $(BUILD)/deb && mkdir -p $(BUILD)/deb/source && cp -r docker/debian $(BUILD)/deb/source/debian
+	@cd $(BUILD)/deb/source && SOURCE=$(CURDIR) DEB_BUILD=$(abspath $(DEB_BUILD)) DEB_BUILD_OPTIONS="$(DEB_BUILD_OPTIONS) noautodbgsym" \
+	    dpkg-buildpackage --build=binary --unsigned-changes --no-check-builddeps >../log 2>&1 || { tail -n 30 ../log; exit 1; }
+	@ls $(BUILD)/deb/*.deb
+
+test-package: build client-c ## the Debian packages in a fresh Debian: installed, run, removed (wants debhelper, lintian, mmdebstrap, root)
+	@tests/package/run.py --build $(BUILD) --chroot
