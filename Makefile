@@ -48,10 +48,10 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
+.PHONY: help setup build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers check-pages test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
 
 # --- for people ----------------------------------------------------------------------------------------------------------
 
@@ -59,11 +59,16 @@ help: ## list the targets
 PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
             libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
-
-setup: ## install what is missing (Debian 12)
-	@missing=$$(for p in $(PACKAGES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done); \
+# The pages are made by node and npm, whoever installed them.
+NODE      = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
+define install_missing
+	@missing=$$(for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done); \
 	if [ -n "$$missing" ]; then echo "installing:" $$missing; export DEBIAN_FRONTEND=noninteractive; \
 	    $(SUDO) apt-get -qq update && $(SUDO) apt-get -qq install -y --no-install-recommends $$missing >/dev/null; fi
+endef
+
+setup: ## install what is missing (Debian 12)
+	$(call install_missing,$(PACKAGES) $(NODE))
 
 build: $(BUILD)/geodesicd $(BUILD)/gd_sample ## build the daemon and the sample maker
 
@@ -77,7 +82,6 @@ demo-stop: ## stop the demo's daemon
 serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
-test: PACKAGES += debhelper lintian pkg-config haproxy # wanted by tests only
 test: setup nurbs-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
@@ -86,7 +90,7 @@ test: setup nurbs-peers ## set up and run all tests
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py "tests/package/run.py --build $(BUILD)" $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py is skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0
@@ -135,7 +139,7 @@ check-layers: ## fail if a file includes what its room may not
 format: ## format all C and C++
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
 
-lint: check-layers ## formatting, layers, the contract, and a build by the other compiler
+lint: check-layers check-pages ## formatting, layers, the contract, the pages' types, and a build by the other compiler
 	python3 proto/generate.py check proto/openapi.yaml proto/problem.h
 	clang-format --dry-run -Werror $$(git ls-files '*.c' '*.h' '*.cc')
 	$(MAKE) --no-print-directory -j2 BUILD=$(BUILD)/clang CC=clang CXX=clang++ WARN="$(WARN) -Werror" build test-build
@@ -241,7 +245,10 @@ $(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
 $(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
 	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
 
-include docker/packages.mk
+PREFIX ?= /usr/local
+$(BUILD)/geodesicd-client.pc: clients/c/geodesicd-client.pc.in proto/openapi.yaml
+	@mkdir -p $(@D)
+	sed "s|@PREFIX@|$(PREFIX)|; s|@VERSION@|$$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)|" $< > $@
 
 # --- generated sources: the route table and the embedded pages ------------------------------------------------------------
 
@@ -249,10 +256,31 @@ $(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py
 	@mkdir -p $(@D)
 	python3 proto/generate.py routes proto/openapi.yaml > $@
 
-VIEWER_PAGES := $(filter %.html %.css %.js %.svg,$(wildcard clients/web/*))
-$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(VIEWER_PAGES)
+# The pages are built by npm's packages, once for all builds below $(BUILD) (clients/web/build.sh). VIEWER=no: a page that says that they are missing.
+VIEWER ?= yes
+export PAGES_BUILD ?= $(abspath $(BUILD)/web)
+ifeq ($(VIEWER),no)
+PAGES := clients/web/without/index.html
+else
+PAGES := $(PAGES_BUILD)/pages/licenses.txt
+endif
+
+$(PAGES_BUILD)/node_modules/.package-lock.json: clients/web/package.json clients/web/package-lock.json
+	@clients/web/build.sh install $(PAGES_BUILD)
+
+$(PAGES_BUILD)/pages/licenses.txt: $(PAGES_BUILD)/node_modules/.package-lock.json $(shell find clients/web clients/js/types.d.ts -type f)
+	@clients/web/build.sh bundle $(PAGES_BUILD)
+
+check-pages: $(PAGES_BUILD)/node_modules/.package-lock.json
+	@clients/web/build.sh check $(PAGES_BUILD)
+
+$(BUILD)/generated/pages-$(VIEWER):
 	@mkdir -p $(@D)
-	python3 proto/generate.py assets proto/openapi.yaml $(VIEWER_PAGES) > $@
+	@rm -f $(@D)/pages-* && touch $@
+
+$(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(PAGES) $(BUILD)/generated/pages-$(VIEWER)
+	@mkdir -p $(@D)
+	python3 proto/generate.py assets proto/openapi.yaml $(dir $(PAGES)) > $@
 
 # --- fuzzing: clang's libFuzzer with both sanitizers; each target starts from its corpus -------------------------------------------------------
 

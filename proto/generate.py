@@ -2,7 +2,7 @@
 """Makes what the daemon compiles in from the contract, openapi.yaml. Output is the same for the same input.
 
     generate.py routes openapi.yaml              the route table, C, for proto/route.h
-    generate.py assets openapi.yaml [file...]    openapi.json and static files, C, for proto/asset.h
+    generate.py assets openapi.yaml [folder...]  openapi.json and the files below the folders, C, for proto/asset.h
     generate.py check openapi.yaml problem.h     nothing but complaints; exit status 1 if there are any
 
 Each of them refuses a document that breaks a rule of check_document.
@@ -268,13 +268,11 @@ def published(node):
 
 
 def static_files(arguments):
-    """(path on the server, bytes) of the files, and of all files below the folders, that the arguments name."""
-    for argument in sorted(arguments):
-        root = pathlib.Path(argument)
-        files = sorted(root.rglob("*")) if root.is_dir() else [root]
-        for file in files:
+    """(path on the server, bytes) of all files below the folders that the arguments name: a folder is the server's root."""
+    for root in map(pathlib.Path, arguments):
+        for file in sorted(root.rglob("*")):
             if file.is_file():
-                yield "/" + file.relative_to(root.parent).as_posix(), file.read_bytes()
+                yield "/" + file.relative_to(root).as_posix(), file.read_bytes()
 
 
 def media_type(path):
@@ -284,11 +282,17 @@ def media_type(path):
     return MEDIA_TYPES[suffix]
 
 
+def aliases(path):
+    """What a browser may ask for it: an index is its folder, with or without the slash."""
+    folder = path.removesuffix("/index.html")
+    return [path] if folder == path else sorted({path, folder or "/", folder + "/"})
+
+
 def asset_rows(path, number, data, compressed):
     etag = '"' + hashlib.sha256(data).hexdigest()[:32] + '"'
     packed = f"gzip_{number}, {len(compressed)}" if compressed else "NULL, 0"
     content = f"{c_string(media_type(path))}, {c_string(etag)}, bytes_{number}, {len(data)}, {packed}"
-    for alias in [path, "/"] if path == "/index.html" else [path]:
+    for alias in aliases(path):
         yield f"    {{{c_string(alias)}, {content}}},"
 
 

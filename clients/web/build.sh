@@ -1,0 +1,65 @@
+#!/bin/sh
+# Makes the pages that the daemon serves, out of the tree.
+#
+#     build.sh install PLACE    the packages of package-lock.json, into PLACE/node_modules
+#     build.sh bundle PLACE     the pages, into PLACE/pages
+#     build.sh check PLACE      types, nothing else
+#
+# PLACE gets a link to the sources beside node_modules, so that imports are found from them; complaints name files as they stand here.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+place=$2
+
+say() {
+    echo "$*" >&2
+    exit 1
+}
+
+install_packages() {
+    command -v npm >/dev/null && [ "$(node -p 'parseInt(process.versions.node)')" -ge 18 ] ||
+        say "the viewer is built by node 18 or later and npm, which are not here: make setup installs them; make VIEWER=no builds a daemon without the viewer"
+    mkdir -p "$place"
+    cp "$here/package.json" "$here/package-lock.json" "$place"
+    ln -sfn "$(dirname "$here")" "$place/clients"
+    (cd "$place" && timeout 300 npm ci --ignore-scripts --include=dev --no-audit --no-fund --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
+        say "npm could not install the viewer's packages ($(grep -m 1 -i 'error' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
+            "or go on by make VIEWER=no, which builds a daemon without the viewer; all that npm said is in $place/npm.log"
+}
+
+compile() {
+    node_modules/.bin/esbuild "$@" --bundle --minify --format=esm --target=es2022 --preserve-symlinks --legal-comments=eof --log-level=warning
+}
+
+# What the bundles contain of others, with their terms.
+print_notices() {
+    for package in three three-mesh-bvh swagger-ui-dist; do
+        printf '%s\n\n' "=== $package ==="
+        for notice in "node_modules/$package/LICENSE" "node_modules/$package/NOTICE" "node_modules/$package/swagger-ui-es-bundle.js.LICENSE.txt"; do
+            [ ! -e "$notice" ] || cat "$notice"
+        done
+        echo
+    done
+}
+
+bundle() {
+    cd "$place"
+    rm -rf pages
+    mkdir -p pages/docs
+    cp clients/web/index.html clients/web/style.css clients/web/icon.svg pages
+    cp clients/web/docs/index.html pages/docs
+    compile clients/web/src/main.ts --outfile=pages/app.js
+    compile clients/web/docs/main.ts --outfile=pages/docs/app.js
+    print_notices >pages/licenses.txt
+}
+
+check() {
+    cd "$place"
+    node_modules/.bin/tsc -p clients/web --preserveSymlinks
+}
+
+case $1 in
+install) install_packages ;;
+bundle) bundle ;;
+check) check ;;
+*) say "usage: build.sh install|bundle|check PLACE" ;;
+esac

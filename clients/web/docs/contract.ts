@@ -1,0 +1,52 @@
+// What this page reads of the contract.
+
+export interface Parameter {
+  name: string;
+  in: string;
+  required?: boolean;
+  example?: unknown;
+}
+
+export interface Body {
+  content: Record<string, { example?: unknown; examples?: Record<string, { value: unknown }> }>;
+}
+
+export interface Operation {
+  requestBody?: Body | Reference;
+}
+
+export interface PathItem {
+  parameters?: (Parameter | Reference)[];
+  put?: Operation;
+  post?: Operation;
+}
+
+export interface Contract {
+  paths: Record<string, PathItem>;
+  components: { parameters: Record<string, Parameter>; requestBodies: Record<string, Body> };
+}
+
+interface Reference {
+  $ref: string;
+}
+
+/** The component that a reference names, or the value itself. */
+export function resolve<Value extends object>(contract: Contract, value: Value | Reference): Value {
+  if (!("$ref" in value)) return value;
+  const parts = value.$ref.split("/").slice(1);
+  return parts.reduce((node, part) => (node as Record<string, unknown>)[part], contract as unknown) as Value;
+}
+
+/** The path with the examples of its parameters in their places. */
+export function examplePath(contract: Contract, path: string): string {
+  return (contract.paths[path]?.parameters ?? [])
+    .map((parameter) => resolve(contract, parameter))
+    .filter((parameter) => parameter.in === "path")
+    .reduce((text, parameter) => text.replace(`{${parameter.name}}`, encodeURIComponent(String(parameter.example))), path);
+}
+
+/** The JSON body that stands first among the operation's examples. */
+export function exampleBody(contract: Contract, operation: Operation): string {
+  const media = operation.requestBody && resolve(contract, operation.requestBody).content["application/json"];
+  return JSON.stringify(media?.example ?? Object.values(media?.examples ?? {})[0]?.value);
+}

@@ -1,0 +1,10 @@
+// What this page uses of Swagger UI, which has no types of its own.
+declare module "swagger-ui-dist/swagger-ui-es-bundle.js" {
+  interface SwaggerUI {
+    authSelectors: { authorized(): { getIn(path: string[]): string | undefined } };
+    specActions: { updateSpec(text: string): void };
+  }
+  export default function SwaggerUI(options: Record<string, unknown>): SwaggerUI;
+}
+
+declare module "*.css";
