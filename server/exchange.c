@@ -367,7 +367,7 @@ static bool on_progress(void *user, double fraction)
     const struct server_transport *transport = exchange->transport;
     double share = monitor->share > 0 ? monitor->share : 1;
     if (transport->report) transport->report(exchange, monitor->begun + share * fraction);
-    if (server_workers_cancelled(exchange->server->workers)) return false;
+    if (!server_workers_go_on(exchange->server->workers)) return false;
     return !transport->is_gone(exchange) || (monitor->flight && server_cache_is_awaited(monitor->flight));
 }
 

@@ -40,6 +40,7 @@
 #include "server/router.h"
 #include "server/server.h"
 #include "server/tls.h"
+#include "server/traffic.h"
 
 #define CONNECTION_MEMORY (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
 #define SILENCE_SECONDS   30u         /* without a byte, in the middle of a body or of a long answer */
@@ -165,6 +166,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
                                .wire = line->wire,
                                .number = line->wire->requests++};
     if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target)) return NULL;
+    server_traffic_note(line->exchange.started_ns);
     server_place_http(http->threads, server_workers_are_busy(http->server->workers), line->exchange.started_ns);
     atomic_fetch_add(&http->active, 1);
     return &line->call;

@@ -122,7 +122,7 @@ static bool on_progress(void *user, double fraction)
     struct server_workers *workers = bringing->owner->server->workers;
     (void)fraction;
     server_workers_yield(workers);
-    return !server_workers_cancelled(workers) && !atomic_load(&bringing->surface->landmarks.is_closed) &&
+    return server_workers_go_on(workers) && !atomic_load(&bringing->surface->landmarks.is_closed) &&
            atomic_load(&bringing->owner->pressures) == bringing->pressures;
 }
 

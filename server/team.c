@@ -6,8 +6,12 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "gd/control.h"
+#include "server/traffic.h"
+
 #define LOOKS    20000   /* for news, before a thread goes to sleep: some ten microseconds */
 #define SLEEP_NS 1000000 /* then the helper looks whether its worker is wanted */
+#define REST_NS  2000000 /* of a helper that would be in the way of requests */
 
 struct server_team {
     struct server_job job; /* first: the helper */
@@ -69,15 +73,27 @@ static void do_task(struct server_team *team)
     if (--team->running == 0) announce(team);
 }
 
+/* Under the lock, which is given up meanwhile. */
+static void rest(struct server_team *team)
+{
+    const struct timespec while_others_are_served = {.tv_nsec = REST_NS};
+    pthread_mutex_unlock(&team->lock);
+    nanosleep(&while_others_are_served, NULL);
+    pthread_mutex_lock(&team->lock);
+}
+
 /* --- the helper --------------------------------------------------------------------------------------------------- */
 
-/* Till the call ends or somebody else wants the worker. */
+/* Till the call ends or somebody else wants the worker. It rests while requests come densely, whose threads want the core. */
 static void help(struct server_job *job)
 {
     struct server_team *team = (struct server_team *)job;
+    struct server_traffic traffic = {0};
     pthread_mutex_lock(&team->lock);
     while (!team->is_over && server_workers_load(team->workers).queued == 0) {
-        if (team->next < team->count)
+        if (server_traffic_is_dense(&traffic, gd_now_ns()))
+            rest(team);
+        else if (team->next < team->count)
             do_task(team);
         else
             wait_for_news(team);

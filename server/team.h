@@ -6,7 +6,7 @@
  *
  * DESIGN. An executor (executor.h) queues its helpers for each run; that costs as much as a turn of a field takes. Here one worker stays for all runs:
  * between them it looks for the next one for some microseconds, then sleeps until it is woken. It joins when a worker is free, and leaves as soon as
- * a job waits in the queue, so that nobody waits for a field but for the end of a turn. The caller does every task that nobody has begun:
+ * a job waits in the queue, so that nobody waits for a field but for the end of a turn; while requests come densely it rests. The caller does every task that nobody has begun:
  * with the helper or without it, the tasks are the same, and so is what comes of them.
  *
  * The two share the team by count: a helper that is still queued when the call ends finds nothing to do. */

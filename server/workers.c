@@ -5,9 +5,13 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <time.h>
 
 #include "gd/control.h"
 #include "server/place.h"
+#include "server/traffic.h"
+
+#define WORK_NS 500000 /* between two moments that a thread gives up */
 
 struct server_workers {
     pthread_mutex_t lock;
@@ -86,6 +90,24 @@ static void run_job(struct server_workers *workers, struct server_job *job)
 bool server_workers_are_busy(const struct server_workers *workers)
 {
     return atomic_load_explicit(&workers->busy, memory_order_relaxed) > 0;
+}
+
+/* A thread that sleeps keeps what it is due, where one that yields gives it up: on a machine that others use too, work would starve. */
+static void give_way(void)
+{
+    static _Thread_local struct server_traffic traffic;
+    static _Thread_local uint64_t gave_ns;
+    const struct timespec moment = {.tv_nsec = 1}; /* and what the kernel's timers add to it: some 50 microseconds */
+    uint64_t now = gd_now_ns();
+    if (now - gave_ns < WORK_NS || !server_traffic_is_dense(&traffic, now)) return;
+    nanosleep(&moment, NULL);
+    gave_ns = gd_now_ns();
+}
+
+bool server_workers_go_on(struct server_workers *workers)
+{
+    give_way();
+    return !server_workers_cancelled(workers);
 }
 
 /* Under the lock, which is given up meanwhile. */

@@ -6,7 +6,7 @@
 #define BUCKET_WIDTH                                                                                                   \
     0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on needles */
 #define KEY_WEIGHT    0.25 /* a side's key between the nearer and the farther end's distance */
-#define CHECK_WINDOWS 8192 /* propagated between two looks at the monitor, where an item counts as */
+#define CHECK_WINDOWS 4096 /* propagated between two looks at the monitor, where an item counts as */
 #define ITEM_WINDOWS  16   /* so many besides: well under a millisecond */
 #define RECORDS_AHEAD 9    /* places in the queue: see prefetch_records */
 #define NAMED_AHEAD   5

@@ -3,6 +3,7 @@
  * the end; what it says begins with a line of HTTP/1.1 and is never status 500, and it goes on answering /livez. Behind the socket is all of it: grammar,
  * library, router, handlers, workers and engine. */
 #include <arpa/inet.h>
+#include <errno.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -19,6 +20,7 @@ enum {
     ANSWER_BYTES = 1 << 16,
     REFRESH = 128,   /* inputs, after which the mesh is uploaded again */
     SILENCE_MS = 10, /* of a daemon that waits for more */
+    TRIES = 600,     /* to connect, a tenth of a second each */
 };
 
 static const char last[] = "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
@@ -57,8 +59,13 @@ static void start(void)
 static int join(void)
 {
     const struct sockaddr *address = (const struct sockaddr *)&server->config.listen.socket;
-    int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), on = 1;
-    promise(client >= 0 && connect(client, address, server->config.listen.size) == 0);
+    int client = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0), on = 1, tries = 0;
+    promise(client >= 0);
+    while (connect(client, address, server->config.listen.size) != 0) {
+        promise((errno == EADDRNOTAVAIL || errno == EINTR) &&
+                tries++ < TRIES); /* others on this machine have all ports */
+        usleep(100000);
+    }
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     setsockopt(client, SOL_SOCKET, SO_LINGER, &(struct linger){.l_onoff = 1}, sizeof(struct linger));
     return client;
