@@ -32,7 +32,7 @@ static bool parse_format(const struct proto_parameters *parameters, enum gd_form
     if (!name) return true;
     enum gd_format format = gd_format_by_name(name);
     if (format == GD_FORMAT_ANY)
-        return proto_problem_refuse(problem, "format", "expected one of: obj ply stl off json");
+        return proto_problem_refuse(problem, "format", "expected one of: obj ply stl off json glb gltf");
     *out = format;
     return true;
 }
@@ -90,7 +90,8 @@ enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options
 /* --- format on the way out ---------------------------------------------------------------------------------------- */
 
 /* In order of preference at equal quality. */
-static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF, GD_FORMAT_STL};
+static const enum gd_format content_formats[] = {GD_FORMAT_OBJ, GD_FORMAT_PLY, GD_FORMAT_OFF,
+                                                 GD_FORMAT_STL, GD_FORMAT_GLB, GD_FORMAT_GLTF};
 #define CONTENT_FORMATS (sizeof content_formats / sizeof content_formats[0])
 
 static bool negotiate(const char *accept, enum gd_format *out, struct proto_problem *problem)
@@ -103,8 +104,10 @@ static bool negotiate(const char *accept, enum gd_format *out, struct proto_prob
         *out = content_formats[i];
     }
     return best > 0 ||
-           proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-                             "a mesh can be had as model/obj, application/x-ply, text/x-off or model/stl; see Accept");
+           proto_problem_set(
+               problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+               "a mesh can be had as model/obj, application/x-ply, text/x-off, model/stl, model/gltf-binary or "
+               "model/gltf+json; see Accept");
 }
 
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept, enum gd_format *out,
@@ -115,7 +118,8 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
     if (!proto_parameters_check(parameters, names, problem)) return false;
     if (!parse_format(parameters, &format, problem)) return false;
     if (format == GD_FORMAT_ANY) return negotiate(accept, out, problem);
-    if (format == GD_FORMAT_JSON) return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl");
+    if (format == GD_FORMAT_JSON)
+        return proto_problem_refuse(problem, "format", "expected one of: obj ply off stl glb gltf");
     *out = format;
     return true;
 }

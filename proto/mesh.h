@@ -30,7 +30,7 @@ bool proto_mesh_options_parse(const struct proto_parameters *parameters, struct 
 enum gd_format proto_mesh_upload_format(const struct proto_mesh_options *options, const void *bytes, size_t size,
                                         const char *content_type);
 
-/* The format to send a mesh in: ?format=obj|ply|off|stl, else the best of these by the Accept header (may be NULL), OBJ
+/* The format to send a mesh in: ?format=obj|ply|off|stl|glb|gltf, else the best of these by the Accept header (may be NULL), OBJ
  * at a tie. Refuses any other parameter. invalid_request; not_acceptable. */
 bool proto_mesh_content_format(const struct proto_parameters *parameters, const char *accept, enum gd_format *out,
                                struct proto_problem *problem);

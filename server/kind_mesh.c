@@ -40,8 +40,6 @@ static struct proto_mesh_options options_of(const struct server_record *record)
 
 /* --- building ----------------------------------------------------------------------------------------------------- */
 
-#define READ_FACTOR 8 /* bytes that reading takes at most for each byte of the file */
-
 #define READ_SHARE 0.2 /* of the whole work, as measured with OBJ text of 1.3M faces */
 
 /* One build under way. */
@@ -68,7 +66,8 @@ static enum gd_status read_polygons(struct making *making, const void *bytes, st
     const struct gd_control control = server_build_control(&part, 0);
     const struct gd_read_limits limits = {.max_faces = builder->max_faces, .control = &control};
     struct gd_detail detail = {0};
-    size_t size = (size_t)making->record->size, cost = size * READ_FACTOR;
+    size_t size = (size_t)making->record->size;
+    size_t cost = gd_read_cost(bytes, size, making->options.format, &limits);
     enum gd_status status = server_build_take(builder, making->record, cost, problem);
     if (status) return status;
     status = gd_read_polygons(bytes, size, making->options.format, &limits, &making->polygons, &detail);

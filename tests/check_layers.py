@@ -12,12 +12,13 @@ RANK = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "query": 4, "tran
 
 # public headers have the rank of the room that implements them
 PUBLIC = {
-    "base": ["status", "vec", "control", "executor", "polygons", "number"],
+    "base": ["status", "vec", "control", "executor", "polygons", "number", "colour_map"],
     "mesh": ["mesh", "point", "locate", "direction"],
-    "io": ["io", "control_mesh"],
+    "io": ["io", "control_mesh", "result_file"],
     "wedge": ["cpu", "workspace"],
     "field": ["field", "path", "isoline", "voronoi"],
     "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
+    "render": ["picture"],
     "cut": ["cut"],
     "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
@@ -30,8 +31,9 @@ BOUNDARY = {
     r"microhttpd\.h": ["server/http.c"],
     r"jansson\.h": ["proto/*", "server/handlers/*"],
     r"gnutls/.*": ["server/*.c"],
-    r"zlib\.h": ["server/*.c"],
+    r"zlib\.h": ["server/*.c", "engine/render/png.c"],
     r"sqlite3\.h": ["server/store*.c"],
+    r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)

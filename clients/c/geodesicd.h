@@ -109,7 +109,7 @@ json_t *gdc_point_json(const struct gdc_point *point);
 
 /* --- meshes ------------------------------------------------------------------------------------------------------------ */
 
-/* Creates or replaces the mesh of that name, of a file's bytes (OBJ, PLY, STL, OFF or JSON). Errors: those of gdc_call; what is no surface is the
+/* Creates or replaces the mesh of that name, of a file's bytes (OBJ, PLY, STL, OFF, JSON or glTF). Errors: those of gdc_call; what is no surface is the
  * problem invalid_mesh. */
 enum gdc_status gdc_upload(struct gdc_client *client, const char *mesh, const void *bytes, size_t size,
                            struct gdc_problem *problem);

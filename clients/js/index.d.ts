@@ -120,7 +120,7 @@ export class Mesh extends Surface<types.MeshQueries> {
   ): Promise<Float64Array[]>;
   /** The same request gives the same field again. */
   field(sources: SetLike, options?: { maxDistance?: number; onProgress?: OnProgress }): Promise<Field>;
-  content(format?: "obj" | "ply" | "off" | "stl"): Promise<string>;
+  content(format?: "obj" | "ply" | "off" | "stl" | "glb" | "gltf"): Promise<string>;
 }
 
 export class Client {

@@ -50,13 +50,15 @@ const char *gd_format_media_type(enum gd_format format)
     return "application/octet-stream";
 }
 
-/* The most certain first: the size of a binary STL file fits no other format's text, OBJ has no signature at all. */
+/* The most certain first: GLB has four bytes of its own, the size of a binary STL file fits no other format's text, glTF and JSON are told apart by their
+ * keys, OBJ has no signature at all. */
 static const struct {
     enum gd_format format;
     bool (*recognise)(struct gd__scan scan);
 } signatures[] = {
-    {GD_FORMAT_STL, gd__stl_recognise},   {GD_FORMAT_PLY, gd__ply_recognise}, {GD_FORMAT_OFF, gd__off_recognise},
-    {GD_FORMAT_JSON, gd__json_recognise}, {GD_FORMAT_OBJ, gd__obj_recognise},
+    {GD_FORMAT_GLB, gd__glb_recognise}, {GD_FORMAT_STL, gd__stl_recognise},   {GD_FORMAT_PLY, gd__ply_recognise},
+    {GD_FORMAT_OFF, gd__off_recognise}, {GD_FORMAT_GLTF, gd__gltf_recognise}, {GD_FORMAT_JSON, gd__json_recognise},
+    {GD_FORMAT_OBJ, gd__obj_recognise},
 };
 
 enum gd_format gd_format_recognise(const void *bytes, size_t size)

@@ -22,7 +22,8 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format f
     if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
     enum gd_status (*read)(struct gd__scan *, struct gd__builder *) = reader_of(format);
     if (!read)
-        return gd_fail(detail, GD_UNRECOGNIZED, "the bytes are in none of the formats OBJ, PLY, STL, OFF and JSON");
+        return gd_fail(detail, GD_UNRECOGNIZED,
+                       "the bytes are in none of the formats OBJ, PLY, STL, OFF, JSON and glTF");
 
     struct gd__scan scan = gd__scan_begin(bytes, size, detail);
     struct gd__builder builder = gd__builder_begin(&scan, limits);
@@ -30,4 +31,15 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format f
     if (status == GD_OK) status = gd__builder_finish(&builder, out);
     gd__builder_free(&builder);
     return status;
+}
+
+#define READ_FACTOR 8 /* bytes for each of a file whose bytes are read once: a triangle of STL text takes the most */
+
+size_t gd_read_cost(const void *bytes, size_t size, enum gd_format format, const struct gd_read_limits *limits)
+{
+    size_t once = READ_FACTOR * size, placed = 0;
+    if (format == GD_FORMAT_ANY) format = gd_format_recognise(bytes, size);
+    if (format == GD_FORMAT_GLB || format == GD_FORMAT_GLTF)
+        placed = gd__gltf_cost(bytes, size, format == GD_FORMAT_GLB, limits);
+    return placed > once ? placed : once;
 }

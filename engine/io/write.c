@@ -3,7 +3,8 @@
 
 #include "gd/io.h"
 #include "gd/vec.h"
-#include "io/output.h"
+#include "io/gltf_write.h"
+#include "io/writers.h"
 
 static uint32_t size_of_polygon(const struct gd_polygons *polygons, uint32_t polygon)
 {
@@ -20,7 +21,7 @@ static uint32_t largest_polygon(const struct gd_polygons *polygons)
     return largest;
 }
 
-static void write_xyz(struct gd__output *output, const double position[3], const char *separator)
+void gd__write_xyz(struct gd__output *output, const double position[3], const char *separator)
 {
     for (int axis = 0; axis < 3; axis++) {
         if (axis > 0) gd__output_text(output, separator);
@@ -39,11 +40,11 @@ static void write_corners(struct gd__output *output, const struct gd_polygons *p
     }
 }
 
-static enum gd_status write_obj(struct gd__output *output, const struct gd_polygons *polygons)
+void gd__write_obj(struct gd__output *output, const struct gd_polygons *polygons)
 {
     for (uint32_t i = 0; i < polygons->position_count; i++) {
         gd__output_text(output, "v ");
-        write_xyz(output, polygons->positions[i], " ");
+        gd__write_xyz(output, polygons->positions[i], " ");
         gd__output_text(output, "\n");
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
@@ -51,6 +52,11 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_polyg
         write_corners(output, polygons, i, 1, " ");
         gd__output_text(output, "\n");
     }
+}
+
+static enum gd_status write_obj(struct gd__output *output, const struct gd_polygons *polygons)
+{
+    gd__write_obj(output, polygons);
     return GD_OK;
 }
 
@@ -62,7 +68,7 @@ static enum gd_status write_off(struct gd__output *output, const struct gd_polyg
     gd__output_integer(output, polygons->polygon_count);
     gd__output_text(output, " 0\n");
     for (uint32_t i = 0; i < polygons->position_count; i++) {
-        write_xyz(output, polygons->positions[i], " ");
+        gd__write_xyz(output, polygons->positions[i], " ");
         gd__output_text(output, "\n");
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
@@ -79,7 +85,7 @@ static enum gd_status write_json(struct gd__output *output, const struct gd_poly
     gd__output_text(output, "{\"vertices\":[");
     for (uint32_t i = 0; i < polygons->position_count; i++) {
         gd__output_text(output, i > 0 ? ",[" : "[");
-        write_xyz(output, polygons->positions[i], ",");
+        gd__write_xyz(output, polygons->positions[i], ",");
         gd__output_text(output, "]");
     }
     gd__output_text(output, "],\"faces\":[");
@@ -92,22 +98,25 @@ static enum gd_status write_json(struct gd__output *output, const struct gd_poly
     return GD_OK;
 }
 
-static void write_ply_header(struct gd__output *output, const struct gd_polygons *polygons, bool long_lists)
+static void write_ply_header(struct gd__output *output, const struct gd_polygons *polygons, bool has_distances,
+                             bool long_lists)
 {
     gd__output_text(output, "ply\nformat binary_little_endian 1.0\nelement vertex ");
     gd__output_integer(output, polygons->position_count);
-    gd__output_text(output, "\nproperty double x\nproperty double y\nproperty double z\nelement face ");
+    gd__output_text(output, "\nproperty double x\nproperty double y\nproperty double z\n");
+    gd__output_text(output, has_distances ? "property double distance\nelement face " : "element face ");
     gd__output_integer(output, polygons->polygon_count);
     gd__output_text(output, long_lists ? "\nproperty list uint uint vertex_indices\nend_header\n"
                                        : "\nproperty list uchar uint vertex_indices\nend_header\n");
 }
 
-static enum gd_status write_ply(struct gd__output *output, const struct gd_polygons *polygons)
+void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons, const double *distances)
 {
     bool long_lists = largest_polygon(polygons) > UINT8_MAX;
-    write_ply_header(output, polygons, long_lists);
+    write_ply_header(output, polygons, distances != NULL, long_lists);
     for (uint32_t i = 0; i < polygons->position_count; i++) {
         for (int axis = 0; axis < 3; axis++) gd__output_f64(output, polygons->positions[i][axis]);
+        if (distances) gd__output_f64(output, isfinite(distances[i]) ? distances[i] : NAN);
     }
     for (uint32_t i = 0; i < polygons->polygon_count; i++) {
         gd__output_little_endian(output, size_of_polygon(polygons, i), long_lists ? 4 : 1);
@@ -115,6 +124,11 @@ static enum gd_status write_ply(struct gd__output *output, const struct gd_polyg
             gd__output_little_endian(output, polygons->corners[corner], 4);
         }
     }
+}
+
+static enum gd_status write_ply(struct gd__output *output, const struct gd_polygons *polygons)
+{
+    gd__write_ply(output, polygons, NULL);
     return GD_OK;
 }
 
@@ -139,14 +153,6 @@ static void write_stl_vector(struct gd__output *output, struct gd_vec3 v)
     gd__output_f32(output, (float)v.z);
 }
 
-static bool all_triangles(const struct gd_polygons *polygons)
-{
-    for (uint32_t i = 0; polygons->first && i < polygons->polygon_count; i++) {
-        if (size_of_polygon(polygons, i) != 3) return false;
-    }
-    return true;
-}
-
 static bool fits_floats(struct gd_vec3 v)
 {
     return isfinite((float)v.x) && isfinite((float)v.y) && isfinite((float)v.z);
@@ -154,7 +160,7 @@ static bool fits_floats(struct gd_vec3 v)
 
 static enum gd_status write_stl(struct gd__output *output, const struct gd_polygons *polygons)
 {
-    if (!all_triangles(polygons)) return GD_NOT_TRIANGLES;
+    if (!gd_polygons_are_triangles(polygons)) return GD_NOT_TRIANGLES;
     static const char header[80] = "binary STL"; /* must not begin with "solid" */
     gd__output_bytes(output, header, sizeof header);
     gd__output_little_endian(output, polygons->polygon_count, 4);
@@ -171,6 +177,16 @@ static enum gd_status write_stl(struct gd__output *output, const struct gd_polyg
     return GD_OK;
 }
 
+static enum gd_status write_glb(struct gd__output *output, const struct gd_polygons *polygons)
+{
+    return gd__glb_write(output, &(struct gd_result){.mesh = polygons});
+}
+
+static enum gd_status write_gltf(struct gd__output *output, const struct gd_polygons *polygons)
+{
+    return gd__gltf_write(output, &(struct gd_result){.mesh = polygons});
+}
+
 static enum gd_status write_format(struct gd__output *output, const struct gd_polygons *polygons, enum gd_format format)
 {
     switch (format) {
@@ -185,16 +201,21 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_po
     return GD_INVALID_ARGUMENT;
 }
 
+enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status, char **out, size_t *size)
+{
+    if (status == GD_OK && output->failed) status = GD_NO_MEMORY;
+    if (status != GD_OK) {
+        free(output->bytes);
+        return status;
+    }
+    *out = output->bytes;
+    *size = output->size;
+    return GD_OK;
+}
+
 enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out, size_t *size)
 {
     struct gd__output output = {0};
     enum gd_status status = write_format(&output, polygons, format);
-    if (status == GD_OK && output.failed) status = GD_NO_MEMORY;
-    if (status != GD_OK) {
-        free(output.bytes);
-        return status;
-    }
-    *out = output.bytes;
-    *size = output.size;
-    return GD_OK;
+    return gd__output_finish(&output, status, out, size);
 }

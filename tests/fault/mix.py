@@ -204,7 +204,7 @@ class Mix:
         return self.ask("cut", mesh, "cut", curve={"points": self.near_points(mesh, 3), "closed": True}, select_only=True)
 
     def content(self, mesh):
-        return self.get("content", f"meshes/{mesh}/content?format={self.chance.choice(('obj', 'ply', 'stl', 'off'))}",
+        return self.get("content", f"meshes/{mesh}/content?format={self.chance.choice(('obj', 'ply', 'stl', 'off', 'glb', 'gltf'))}",
                         **{"Accept-Encoding": "gzip"})
 
     def upload(self, _):

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "gd/control_mesh.h"
+#include "gd/result_file.h"
 #include "tests/samples/samples.h"
 #include "tests/support/test.h"
 
@@ -15,7 +16,7 @@ struct text {
     size_t size;
 };
 
-static struct text files[GD_FORMAT_JSON + 1];
+static struct text files[GD_FORMAT_GLTF + 1];
 
 static const char tagged[] = "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
                              "f 5 6 8 7\nf 1 3 4 2\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
@@ -33,7 +34,7 @@ static void open_files(void)
 {
     check_ok(sample_terrain(10, 0.4, 7, &polygons), NULL);
     check_ok(gd_read_polygons(tagged, strlen(tagged), GD_FORMAT_OBJ, NULL, &quads, NULL), NULL);
-    for (int format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++)
+    for (int format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++)
         check_ok(gd_write_polygons(&polygons, (enum gd_format)format, &files[format].bytes, &files[format].size), NULL);
 }
 
@@ -98,6 +99,8 @@ FORMAT(PLY, ply)
 FORMAT(STL, stl)
 FORMAT(OFF, off)
 FORMAT(JSON, json)
+FORMAT(GLB, glb)
+FORMAT(GLTF, gltf)
 
 static enum gd_status read_text_ply(void *out)
 {
@@ -121,6 +124,19 @@ static enum gd_status write_quads(void *out)
     return gd_write_polygons(&quads, GD_FORMAT_JSON, &text->bytes, &text->size);
 }
 
+/* Distances and a line, whatever they are. */
+static enum gd_status write_result(void *out)
+{
+    struct text *text = out;
+    const uint32_t first[] = {0, polygons.position_count};
+    const struct gd_result result = {.mesh = &polygons,
+                                     .distances = polygons.positions[0],
+                                     .points = (const double(*)[3])polygons.positions,
+                                     .first = first,
+                                     .line_count = 1};
+    return gd_write_result(&result, GD_RESULT_GLB, &text->bytes, &text->size);
+}
+
 static const struct operation items[] = {
     {"read OBJ", &read_polygons, read_obj, GD_OK, NULL},
     {"read PLY", &read_polygons, read_ply, GD_OK, NULL},
@@ -129,12 +145,17 @@ static const struct operation items[] = {
     {"read STL, text", &read_polygons, read_text_stl, GD_OK, NULL},
     {"read OFF", &read_polygons, read_off, GD_OK, NULL},
     {"read JSON", &read_polygons, read_json, GD_OK, NULL},
+    {"read GLB", &read_polygons, read_glb, GD_OK, NULL},
+    {"read glTF", &read_polygons, read_gltf, GD_OK, NULL},
     {"read OBJ with tags", &read_control, read_tagged, GD_OK, NULL},
     {"write OBJ", &written, write_obj, GD_OK, NULL},
     {"write PLY", &written, write_ply, GD_OK, NULL},
     {"write STL", &written, write_stl, GD_OK, NULL},
     {"write OFF", &written, write_off, GD_OK, NULL},
     {"write JSON", &written, write_json, GD_OK, NULL},
+    {"write GLB", &written, write_glb, GD_OK, NULL},
+    {"write glTF", &written, write_gltf, GD_OK, NULL},
+    {"write a result", &written, write_result, GD_OK, NULL},
     {"write quads", &written, write_quads, GD_OK, NULL},
 };
 

@@ -170,7 +170,7 @@ class Mesh(Surface):
         return self.query("distance-to-set", {"set": point_set(sources), "points": points.all_as_json(at), "path": path})["results"]
 
     def content(self, format: str = "obj") -> bytes:
-        """The mesh as a file: obj, ply, off or stl."""
+        """The mesh as a file: obj, ply, off, stl, glb or gltf."""
         return self.client.call("GET", self.location + "/content", {"format": format}).body
 
 

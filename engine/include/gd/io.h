@@ -9,7 +9,14 @@
  *
  * OBJ: v and f statements, one-based and relative indices. PLY 1.0: text and binary of either byte order, no triangle strips. STL: text and
  * binary, equal corners welded into vertices in order of first appearance. OFF: text, with or without colours, normals and texture
- * coordinates. JSON: {"vertices": [[x,y,z]...], "faces": [[i,j,k...]...]}, no other keys. */
+ * coordinates. JSON: {"vertices": [[x,y,z]...], "faces": [[i,j,k...]...]}, no other keys.
+ *
+ * glTF 2.0, as GLB or as JSON whose buffers are base64 data: URIs: the triangles, strips and fans of the scene's meshes (of the default scene, else the
+ * first; without scenes all root nodes; without nodes all meshes), placed by their nodes; points and lines are left out. Positions are floats, or
+ * whole numbers (KHR_mesh_quantization), sparse or not, and are turned in double precision; a place that mirrors turns the faces round. glTF
+ * repeats a vertex wherever normals or texture coordinates differ, so equal positions are welded, as in STL: vertices are numbered in order of first
+ * appearance. Meshes are taken in their bind pose, without morphing. Files that are compressed (Draco, meshopt) or have their bytes elsewhere are
+ * refused. A file may use its bytes many times, so its memory is what gd_read_cost says. */
 #ifndef GD_IO_H
 #define GD_IO_H
 
@@ -26,7 +33,9 @@
     X(PLY, ply, "application/x-ply")                                                                                   \
     X(STL, stl, "model/stl")                                                                                           \
     X(OFF, off, "text/x-off")                                                                                          \
-    X(JSON, json, "application/json")
+    X(JSON, json, "application/json")                                                                                  \
+    X(GLB, glb, "model/gltf-binary")                                                                                   \
+    X(GLTF, gltf, "model/gltf+json")
 
 enum gd_format {
     GD_FORMAT_ANY, /* recognise the bytes */
@@ -54,20 +63,27 @@ struct gd_read_limits {
     const struct gd_control *control; /* borrowed for the call, NULL: none; its budget is not looked at */
 };
 
+/* Bytes that gd_read_polygons holds at most for that input, its result included: eight for each of the file's, and of glTF as many as the file's meshes take
+ * wherever they are placed (limits->max_vertices counts, faces beyond limits->max_faces don't: they are refused). Reads a glTF's document; what is
+ * wrong with it is for gd_read_polygons to say. Thread-safe. */
+size_t gd_read_cost(const void *bytes, size_t size, enum gd_format format, const struct gd_read_limits *limits);
+
 /* Reads a mesh file. `bytes` are borrowed for the call, `limits` may be NULL, `detail` may be NULL; the caller frees `*out` by
  * gd_polygons_free. Thread-safe; time linear in `size` (STL: expected linear, a hash welds equal corners).
  * Errors: GD_UNRECOGNIZED, GD_TRUNCATED, GD_SYNTAX, GD_UNSUPPORTED, GD_INDEX, GD_NON_FINITE, GD_EMPTY (no faces, or no bytes at all),
- * GD_TOO_LARGE, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; the byte in binary files and in JSON, which is often one long line. A face may
+ * GD_TOO_LARGE, GD_NO_MEMORY, GD_CANCELLED, GD_DEADLINE. The detail names the line; the byte in binary files and in JSON, which is often one long line (of a
+ * glTF's numbers the byte of what describes them). A face may
  * still repeat a vertex: that is for the mesh builder to refuse by name. */
 GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format format,
                                             const struct gd_read_limits *limits, struct gd_polygons *out,
                                             struct gd_detail *detail);
 
 /* Writes polygons, whose coordinates are finite, as OBJ, OFF or JSON text (doubles shortest round-trip), PLY (binary little-endian,
- * doubles) or STL (binary, floats). `*out` is malloc'ed and owned by the caller. Thread-safe; time linear in the output. Read again, all but STL
- * give the same positions to the last bit and the same polygons.
- * Errors: GD_NOT_TRIANGLES (STL: a polygon of more than three corners), GD_NON_FINITE (STL: beyond the range of floats),
- * GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. */
+ * doubles), STL (binary, floats), GLB or glTF (floats, from an origin that the node's translation keeps as doubles: a mesh far from the origin loses no
+ * more than one that is near; coordinates that are floats already stay as they are). `*out` is malloc'ed and owned by the caller. Thread-safe; time
+ * linear in the output. Read again, all but STL, GLB and glTF give the same positions to the last bit and the same polygons.
+ * Errors: GD_NOT_TRIANGLES (STL, GLB, glTF: a polygon of more than three corners), GD_NON_FINITE (the same: beyond the range of floats),
+ * GD_TOO_LARGE (GLB: 4 GiB), GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out,
                                              size_t *size);
 

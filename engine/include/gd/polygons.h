@@ -2,6 +2,7 @@
 #ifndef GD_POLYGONS_H
 #define GD_POLYGONS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -23,6 +24,14 @@ static inline uint32_t gd_polygons_first(const struct gd_polygons *polygons, uin
 static inline uint32_t gd_polygons_corner_count(const struct gd_polygons *polygons)
 {
     return gd_polygons_first(polygons, polygons->polygon_count);
+}
+
+static inline bool gd_polygons_are_triangles(const struct gd_polygons *polygons)
+{
+    for (uint32_t i = 0; polygons->first && i < polygons->polygon_count; i++) {
+        if (polygons->first[i + 1] - polygons->first[i] != 3) return false;
+    }
+    return true;
 }
 
 /* Frees the arrays and zeroes the struct. NULL and half-built ones are harmless. */

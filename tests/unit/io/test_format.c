@@ -5,10 +5,11 @@ static void knows_names(void **state)
     (void)state;
     assert_int_equal(gd_format_by_name("obj"), GD_FORMAT_OBJ);
     assert_int_equal(gd_format_by_name("json"), GD_FORMAT_JSON);
+    assert_int_equal(gd_format_by_name("gltf"), GD_FORMAT_GLTF);
     static const char *const unknown[] = {"", "OBJ", "any", "objx", "3mf"};
     for (size_t i = 0; i < COUNT_OF(unknown); i++) assert_int_equal(gd_format_by_name(unknown[i]), GD_FORMAT_ANY);
     assert_int_equal(gd_format_by_name(NULL), GD_FORMAT_ANY);
-    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++) {
+    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) {
         assert_int_equal(gd_format_by_name(gd_format_name(format)), format);
         assert_int_equal(gd_format_by_media_type(gd_format_media_type(format)), format);
     }
@@ -48,6 +49,14 @@ static void recognises_content(void **state)
         {BYTES("# comment\nSTCN4nOFF 3 1 0\n"), GD_FORMAT_OFF},
         {BYTES("OFF BINARY\n"), GD_FORMAT_OFF},
         {BYTES(" \n{\"faces\""), GD_FORMAT_JSON},
+        {BYTES("{\"vertices\":["), GD_FORMAT_JSON},
+        {BYTES("{\"asset\":{"), GD_FORMAT_GLTF},
+        {BYTES("\r\n {\t\"extensionsUsed\" :"), GD_FORMAT_GLTF},
+        {BYTES("{\"assets\":{"), GD_FORMAT_JSON},
+        {BYTES("{\"asset"), GD_FORMAT_JSON},
+        {BYTES("glTF\2\0\0\0"), GD_FORMAT_GLB},
+        {BYTES("glTF"), GD_FORMAT_GLB},
+        {BYTES("glT"), GD_FORMAT_ANY},
         {BYTES("solid\nfacet"), GD_FORMAT_STL},
         {BYTES("  Solid x\n"), GD_FORMAT_STL},
         {BYTES(ZERO_20 ZERO_20 ZERO_20 ZERO_20 "\0\0\0\0"), GD_FORMAT_STL},

@@ -33,6 +33,12 @@ static const char *const meshes[] = {
         "4 1 2 5 4\n3 0 1 2\n",
     [GD_FORMAT_JSON] =
         "{\"vertices\":[[0,0,0],[1,0,0],[2,0,0],[0,1,0],[1,1,0],[2,1,0]],\"faces\":[[0,1,4,3],[1,2,5,4],[0,1,2]]}",
+    [GD_FORMAT_GLTF] =
+        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":33,\"uri\":\"data:;base64,"
+        "AAAAAQAAAgAAAAEAAQEAAgEAAAEEAAQDAQIFAQUEAAEC\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":18},"
+        "{\"buffer\":0,\"byteOffset\":18,\"byteLength\":15}],\"accessors\":[{\"bufferView\":0,\"componentType\":5121,"
+        "\"count\":6,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,\"count\":15,\"type\":\"SCALAR\"}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]}",
     [GD_FORMAT_STL] =
         "solid\n"
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
@@ -53,8 +59,8 @@ static enum gd_status read_within(enum gd_format format, enum gd_format named, u
 static void keeps_the_limits(void **state)
 {
     (void)state;
-    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++) {
-        for (int any = 0; any < 2; any++) {
+    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) {
+        for (int any = 0; any < 2 && meshes[format]; any++) {
             enum gd_format named = any ? GD_FORMAT_ANY : format;
             struct gd_detail detail = {.text = ""};
             assert_int_equal(read_text(meshes[format], named, NULL, &detail), GD_OK);
@@ -161,7 +167,7 @@ static void obeys_its_control(void **state)
     (void)state;
     struct gd_polygons sphere;
     assert_int_equal(sample_icosphere(6, 1, &sphere), GD_OK);
-    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_JSON; format++) {
+    for (enum gd_format format = GD_FORMAT_OBJ; format <= GD_FORMAT_GLTF; format++) {
         char *bytes;
         size_t size;
         assert_int_equal(gd_write_polygons(&sphere, format, &bytes, &size), GD_OK);

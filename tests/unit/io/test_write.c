@@ -1,3 +1,5 @@
+#include <math.h>
+
 #include "tests/unit/io/reading.h"
 
 static double positions[][3] = {
@@ -93,6 +95,29 @@ static void writes_stl_as_floats(void **state)
     free(bytes);
 }
 
+/* Floats stay as they are, in the file's bytes and in its text; what is no float is told to a part in 2^24 of the mesh's size. */
+static void writes_gltf_as_floats(void **state)
+{
+    (void)state;
+    static double floats[][3] = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 0x1.fffffep100}};
+    struct gd_polygons polygons = {
+        .positions = floats, .position_count = 4, .polygon_count = 4, .corners = tetrahedron};
+    check_round_trip(&polygons, GD_FORMAT_GLB);
+    check_round_trip(&polygons, GD_FORMAT_GLTF);
+    polygons.positions = points;
+    for (enum gd_format format = GD_FORMAT_GLB; format <= GD_FORMAT_GLTF; format++) {
+        char *bytes;
+        size_t size;
+        struct gd_polygons back;
+        assert_int_equal(gd_write_polygons(&polygons, format, &bytes, &size), GD_OK);
+        assert_int_equal(read_copy(bytes, size, GD_FORMAT_ANY, NULL, &back, NULL), GD_OK);
+        for (uint32_t i = 0; i < 4; i++)
+            for (int axis = 0; axis < 3; axis++) assert_true(fabs(back.positions[i][axis] - points[i][axis]) <= 0.5);
+        gd_polygons_free(&back);
+        free(bytes);
+    }
+}
+
 static void refuses_what_stl_cannot_hold(void **state)
 {
     (void)state;
@@ -108,6 +133,10 @@ static void refuses_what_stl_cannot_hold(void **state)
         struct gd_polygons polygons = {.positions = large, .position_count = 3, .polygon_count = 1, .corners = all};
         assert_int_equal(gd_write_polygons(&polygons, GD_FORMAT_STL, &bytes, &size), GD_NON_FINITE);
     }
+    assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_GLB, &bytes, &size), GD_NOT_TRIANGLES);
+    assert_int_equal(gd_write_polygons(&mixed, GD_FORMAT_GLTF, &bytes, &size), GD_NOT_TRIANGLES);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLB, &bytes, &size), GD_NON_FINITE);
+    assert_int_equal(gd_write_polygons(&triangles, GD_FORMAT_GLTF, &bytes, &size), GD_NON_FINITE);
     assert_null(bytes);
     assert_int_equal(size, 7);
 }
@@ -139,8 +168,11 @@ static void writes_text_as_documented(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_every_bit),           cmocka_unit_test(keeps_large_polygons),
-        cmocka_unit_test(writes_stl_as_floats),      cmocka_unit_test(refuses_what_stl_cannot_hold),
+        cmocka_unit_test(keeps_every_bit),
+        cmocka_unit_test(keeps_large_polygons),
+        cmocka_unit_test(writes_stl_as_floats),
+        cmocka_unit_test(writes_gltf_as_floats),
+        cmocka_unit_test(refuses_what_stl_cannot_hold),
         cmocka_unit_test(writes_text_as_documented),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -112,6 +112,8 @@ static void chooses_the_format_to_send(void **state)
         {"model/stl", GD_FORMAT_STL},
         {"application/x-ply, */*;q=0.1", GD_FORMAT_PLY},
         {"text/*", GD_FORMAT_OFF},
+        {"model/gltf-binary", GD_FORMAT_GLB},
+        {"model/gltf+json, model/gltf-binary;q=0.9", GD_FORMAT_GLTF},
         {"application/json, text/plain, */*", GD_FORMAT_OBJ},
         {"model/obj;q=0, model/stl;q=0.5, text/x-off;q=0.6", GD_FORMAT_OFF},
     };

@@ -19,7 +19,7 @@ static void describes_the_daemon(void **state)
         &writer,
         "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
         "\"memory_budget_bytes\":4294967296,\"workers\":5},\"capabilities\":{\"formats\":[\"obj\",\"ply\",\"stl\","
-        "\"off\",\"json\"],\"queries\":[\"path\",\"nearest\"]}}");
+        "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
 }
 
 static void assert_health(enum proto_health health, const char *reason, const char *text)

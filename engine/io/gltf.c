@@ -1,0 +1,397 @@
+/* glTF 2.0 and its binary form, GLB: the container, the document's lists, and the way from a scene to triangles. See gltf.h. */
+#include "io/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/endian.h"
+#include "io/json_text.h"
+#include "io/readers.h"
+
+#define GLB_HEADER   12
+#define CHUNK_HEADER 8
+#define CHUNK_JSON   UINT32_C(0x4E4F534A)
+#define CHUNK_BINARY UINT32_C(0x004E4942)
+
+/* --- recognising -------------------------------------------------------------------------------------------------- */
+
+bool gd__glb_recognise(struct gd__scan scan)
+{
+    return scan.end - scan.begin >= 4 && memcmp(scan.begin, "glTF", 4) == 0;
+}
+
+/* By its first key: a mesh as JSON arrays begins with another. */
+bool gd__gltf_recognise(struct gd__scan scan)
+{
+    static const char *const keys[] = {"asset",
+                                       "scene",
+                                       "scenes",
+                                       "nodes",
+                                       "meshes",
+                                       "accessors",
+                                       "bufferViews",
+                                       "buffers",
+                                       "materials",
+                                       "textures",
+                                       "images",
+                                       "samplers",
+                                       "skins",
+                                       "animations",
+                                       "cameras",
+                                       "extensions",
+                                       "extras",
+                                       "extensionsUsed",
+                                       "extensionsRequired"};
+    struct gd__word key;
+    scan.detail = NULL;
+    if (!gd__json_accept(&scan, '{')) return false;
+    if (gd__json_string(&scan, "a key", &key) != GD_OK) return false;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        if (key.length == strlen(keys[i]) + 2 && memcmp(key.at + 1, keys[i], key.length - 2) == 0) return true;
+    }
+    return false;
+}
+
+/* --- looking things up -------------------------------------------------------------------------------------------- */
+
+enum gd_status gd__gltf_whole(const struct gd__gltf *gltf, uint32_t object, const char *name, uint64_t otherwise,
+                              uint64_t most, uint64_t *out)
+{
+    uint32_t value = gd__json_member(&gltf->json, object, name);
+    double number = (double)otherwise;
+    if (value != GD__NO_VALUE && !gd__json_real(&gltf->json, value, &number)) number = -1;
+    if (!(number >= 0 && number <= (double)most) || number != floor(number))
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no whole number from 0 to %llu", name,
+                             (unsigned long long)most);
+    *out = (uint64_t)number;
+    return GD_OK;
+}
+
+enum gd_status gd__gltf_index(const struct gd__gltf *gltf, uint32_t value, const struct gd__gltf_list *list,
+                              uint32_t *out)
+{
+    double number = -1;
+    if (!gd__json_real(&gltf->json, value, &number) || !(number >= 0) || number != floor(number))
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "this is no number of one of the '%s'", list->name);
+    if (number >= list->count)
+        return gd__gltf_fail(gltf, value, GD_SYNTAX, "number %.0f of the '%s' is named, but there are only %u", number,
+                             list->name, list->count);
+    *out = (uint32_t)number;
+    return GD_OK;
+}
+
+enum gd_status gd__gltf_reference(const struct gd__gltf *gltf, uint32_t object, const char *name,
+                                  const struct gd__gltf_list *list, uint32_t *out)
+{
+    uint32_t value = gd__json_member(&gltf->json, object, name), number = 0;
+    *out = GD__NO_VALUE;
+    if (value == GD__NO_VALUE) return GD_OK;
+    enum gd_status status = gd__gltf_index(gltf, value, list, &number);
+    if (status == GD_OK) *out = list->values[number];
+    return status;
+}
+
+enum gd_status gd__gltf_reals(const struct gd__gltf *gltf, uint32_t object, const char *name, unsigned count,
+                              double *out)
+{
+    uint32_t list = gd__json_member(&gltf->json, object, name);
+    if (list == GD__NO_VALUE) return GD_OK;
+    uint32_t value = list + 1, end = gd__json_is(&gltf->json, list, '[') ? gd__json_next(&gltf->json, list) : 0;
+    unsigned read = 0;
+    for (; value < end && read < count; value = gd__json_next(&gltf->json, value)) {
+        if (!gd__json_real(&gltf->json, value, &out[read++])) break;
+    }
+    if (read == count && value == end) return GD_OK;
+    return gd__gltf_fail(gltf, list, GD_SYNTAX, "'%s' has to be %u numbers", name, count);
+}
+
+/* --- the document ------------------------------------------------------------------------------------------------- */
+
+/* Extensions without which the shape is the same. */
+static bool leaves_shape(const struct gd__json *json, uint32_t name)
+{
+    static const char *const beginnings[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",  "KHR_xmp",
+                                             "EXT_texture_",   "EXT_lights_",  "MSFT_texture", "KHR_animation_"};
+    if (gd__json_says(json, name, "KHR_mesh_quantization")) return true;
+    for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++) {
+        if (strncmp(gd__json_at(json, name) + 1, beginnings[i], strlen(beginnings[i])) == 0) return true;
+    }
+    return false;
+}
+
+static enum gd_status refuse_extension(const struct gd__gltf *gltf, uint32_t name)
+{
+    if (gd__json_says(&gltf->json, name, "KHR_draco_mesh_compression"))
+        return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                             "the file is compressed by Draco: store it without compression");
+    if (gd__json_says(&gltf->json, name, "EXT_meshopt_compression") ||
+        gd__json_says(&gltf->json, name, "KHR_meshopt_compression"))
+        return gd__gltf_fail(gltf, name, GD_UNSUPPORTED,
+                             "the file is compressed by meshopt: store it without compression");
+    const char *at = gd__json_at(&gltf->json, name) + 1;
+    size_t length = 0;
+    while (at[length] != '"') length++;
+    return gd__gltf_fail(gltf, name, GD_UNSUPPORTED, "the file needs the extension '%s', which is not supported",
+                         gd__excerpt((struct gd__word){at, length}).text);
+}
+
+static enum gd_status check_extensions(const struct gd__gltf *gltf)
+{
+    uint32_t list = gd__json_member(&gltf->json, 0, "extensionsRequired");
+    if (list == GD__NO_VALUE || !gd__json_is(&gltf->json, list, '[')) return GD_OK;
+    uint32_t end = gd__json_next(&gltf->json, list);
+    for (uint32_t name = list + 1; name < end; name = gd__json_next(&gltf->json, name)) {
+        if (!gd__json_is(&gltf->json, name, '"'))
+            return gd__gltf_fail(gltf, name, GD_SYNTAX, "the name of an extension is no string");
+        if (!leaves_shape(&gltf->json, name)) return refuse_extension(gltf, name);
+    }
+    return GD_OK;
+}
+
+static enum gd_status check_version(const struct gd__gltf *gltf)
+{
+    uint32_t asset = gd__json_member(&gltf->json, 0, "asset");
+    uint32_t version = asset == GD__NO_VALUE ? GD__NO_VALUE : gd__json_member(&gltf->json, asset, "version");
+    if (version == GD__NO_VALUE)
+        return gd__gltf_fail(gltf, 0, GD_SYNTAX, "the document is no glTF: it has no 'asset' with a 'version'");
+    if (strncmp(gd__json_at(&gltf->json, version), "\"2.", 3) == 0) return GD_OK;
+    return gd__gltf_fail(gltf, version, GD_UNSUPPORTED, "the file is not of version 2 of glTF");
+}
+
+static uint32_t count_items(const struct gd__json *json, uint32_t list)
+{
+    uint32_t count = 0;
+    for (uint32_t item = list + 1; item < gd__json_next(json, list); item = gd__json_next(json, item)) count++;
+    return count;
+}
+
+static enum gd_status read_list(const struct gd__gltf *gltf, struct gd__gltf_list *list)
+{
+    const struct gd__json *json = &gltf->json;
+    uint32_t value = gd__json_member(json, 0, list->name);
+    if (value == GD__NO_VALUE) return GD_OK;
+    if (!gd__json_is(json, value, '[')) return gd__gltf_fail(gltf, value, GD_SYNTAX, "'%s' is no array", list->name);
+    list->values = malloc((count_items(json, value) + (size_t)1) * sizeof *list->values);
+    if (!list->values) return gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    for (uint32_t item = value + 1; item < gd__json_next(json, value); item = gd__json_next(json, item))
+        list->values[list->count++] = item;
+    return GD_OK;
+}
+
+static enum gd_status read_lists(struct gd__gltf *gltf)
+{
+    enum gd_status status = GD_OK;
+#define READ_LIST(member, text)                                                                                        \
+    gltf->member.name = text;                                                                                          \
+    if (status == GD_OK) status = read_list(gltf, &gltf->member);
+    GD__GLTF_LISTS(READ_LIST)
+#undef READ_LIST
+    if (status == GD_OK && gltf->buffers.count > GD__GLTF_BUFFERS)
+        status = gd__gltf_fail(gltf, 0, GD_UNSUPPORTED, "the file has more than %d buffers", GD__GLTF_BUFFERS);
+    if (status != GD_OK) return status;
+    gltf->loaded = calloc(gltf->buffers.count + (size_t)1, sizeof *gltf->loaded);
+    return gltf->loaded ? GD_OK : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+}
+
+static void free_document(struct gd__gltf *gltf)
+{
+    gd__gltf_buffers_free(gltf);
+#define FREE_LIST(member, text) free(gltf->member.values);
+    GD__GLTF_LISTS(FREE_LIST)
+#undef FREE_LIST
+    gd__json_free(&gltf->json);
+}
+
+/* The document that the scan's cursor is at, up to its end. */
+static enum gd_status read_document(struct gd__gltf *gltf)
+{
+    enum gd_status status = gd__json_parse(&gltf->scan, gltf->control, &gltf->json);
+    if (status != GD_OK) return status;
+    status = check_version(gltf);
+    if (status == GD_OK) status = check_extensions(gltf);
+    return status == GD_OK ? read_lists(gltf) : status;
+}
+
+/* --- the container ------------------------------------------------------------------------------------------------ */
+
+/* The next chunk of a GLB, which ends at scan->end. */
+static enum gd_status read_chunk(struct gd__scan *scan, uint32_t *type, struct gd__gltf_bytes *out)
+{
+    if (gd__scan_left(scan) < CHUNK_HEADER)
+        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "the GLB ends where a chunk should be");
+    uint32_t size = gd__load_u32(scan->at, false);
+    *type = gd__load_u32(scan->at + 4, false);
+    if (size > gd__scan_left(scan) - CHUNK_HEADER)
+        return gd__scan_fail(scan, scan->at, GD_TRUNCATED, "a chunk of %u bytes is declared, but only %zu follow", size,
+                             gd__scan_left(scan) - CHUNK_HEADER);
+    *out = (struct gd__gltf_bytes){scan->at + CHUNK_HEADER, size};
+    scan->at += CHUNK_HEADER + (size_t)size;
+    return GD_OK;
+}
+
+/* Bytes behind the length that it declares are no part of it. */
+static enum gd_status read_header(struct gd__scan *scan)
+{
+    size_t size = (size_t)(scan->end - scan->begin);
+    scan->at = scan->begin;
+    if (size < GLB_HEADER || memcmp(scan->at, "glTF", 4) != 0)
+        return gd__scan_fail(scan, scan->at, size < GLB_HEADER ? GD_TRUNCATED : GD_SYNTAX,
+                             "a GLB begins with 'glTF', its version and its length");
+    uint32_t version = gd__load_u32(scan->at + 4, false), length = gd__load_u32(scan->at + 8, false);
+    if (version != 2)
+        return gd__scan_fail(scan, scan->at + 4, GD_UNSUPPORTED, "the GLB is of version %u, not 2", version);
+    if (length > size || length < GLB_HEADER)
+        return gd__scan_fail(scan, scan->at + 8, GD_TRUNCATED, "the GLB declares %u bytes, but has %zu", length, size);
+    scan->at += GLB_HEADER;
+    scan->end = scan->begin + length;
+    return GD_OK;
+}
+
+static enum gd_status open_glb(struct gd__gltf *gltf)
+{
+    struct gd__scan *scan = &gltf->scan;
+    struct gd__gltf_bytes document = {0}, chunk = {0};
+    uint32_t type = 0;
+    enum gd_status status = read_header(scan);
+    if (status == GD_OK) status = read_chunk(scan, &type, &document);
+    if (status == GD_OK && type != CHUNK_JSON)
+        status = gd__scan_fail(scan, document.at - CHUNK_HEADER, GD_SYNTAX, "the first chunk of a GLB has to be JSON");
+    while (status == GD_OK && !gltf->binary.at && gd__scan_left(scan) > 0) {
+        status = read_chunk(scan, &type, &chunk);
+        if (status == GD_OK && type == CHUNK_BINARY) gltf->binary = chunk;
+    }
+    if (status != GD_OK) return status;
+    scan->at = document.at;
+    scan->end = document.at + document.size;
+    return read_document(gltf);
+}
+
+/* `*out` is to be freed whatever the result. */
+static enum gd_status open_file(const struct gd__scan *scan, const struct gd_control *control, bool is_glb,
+                                struct gd__gltf *out)
+{
+    *out = (struct gd__gltf){.scan = *scan, .control = control};
+    out->scan.by_byte = true;
+    return is_glb ? open_glb(out) : read_document(out);
+}
+
+/* --- the scene ---------------------------------------------------------------------------------------------------- */
+
+struct counting {
+    struct gd__gltf_visitor visitor; /* first */
+    const struct gd__gltf *gltf;
+    struct gd__gltf_sum sum;
+};
+
+static enum gd_status count_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh, const struct gd__gltf_place *place)
+{
+    struct counting *counting = (struct counting *)visitor;
+    (void)place;
+    return gd__gltf_count_mesh(counting->gltf, mesh, &counting->sum);
+}
+
+static enum gd_status count(const struct gd__gltf *gltf, struct gd__gltf_sum *out)
+{
+    struct counting counting = {.visitor = {count_mesh}, .gltf = gltf};
+    enum gd_status status = gd__gltf_walk(gltf, &counting.visitor);
+    if (status == GD_OK) *out = counting.sum;
+    return status;
+}
+
+struct placing {
+    struct gd__gltf_visitor visitor; /* first */
+    struct gd__gltf_making making;
+};
+
+static enum gd_status make_mesh(struct gd__gltf_visitor *visitor, uint32_t mesh, const struct gd__gltf_place *place)
+{
+    return gd__gltf_make_mesh(&((struct placing *)visitor)->making, mesh, place);
+}
+
+static enum gd_status fail_empty(const struct gd__gltf *gltf, const struct gd__gltf_sum *sum)
+{
+    return gd_fail(gltf->scan.detail, GD_EMPTY,
+                   "the scene has no triangles; %llu primitives are points or lines, or have no positions",
+                   (unsigned long long)sum->skipped);
+}
+
+static enum gd_status reserve(struct gd__builder *builder, const struct gd__gltf_sum *sum)
+{
+    uint64_t most = builder->limits.max_vertices;
+    return gd__builder_reserve(builder, sum->vertices < most ? sum->vertices : most, sum->triangles);
+}
+
+static enum gd_status make_scene(struct gd__gltf *gltf, struct gd__builder *builder, const struct gd__gltf_sum *sum)
+{
+    struct placing placing = {.visitor = {make_mesh},
+                              .making = {.gltf = gltf,
+                                         .builder = builder,
+                                         .accessor = GD__NO_VALUE,
+                                         .weld = gd__weld_begin(builder),
+                                         .all = 2 * sum->primitives + sum->vertices + 3 * sum->triangles}};
+    placing.making.vertices = malloc((sum->largest + (size_t)1) * sizeof *placing.making.vertices);
+    enum gd_status status = placing.making.vertices
+                                ? gd__gltf_walk(gltf, &placing.visitor)
+                                : gd_fail(gltf->scan.detail, GD_NO_MEMORY, "the system is out of memory");
+    free(placing.making.vertices);
+    gd__weld_free(&placing.making.weld);
+    return status;
+}
+
+static enum gd_status read_file(const struct gd__scan *scan, struct gd__builder *builder, bool is_glb)
+{
+    struct gd__gltf gltf;
+    struct gd__gltf_sum sum = {0};
+    enum gd_status status = open_file(scan, builder->limits.control, is_glb, &gltf);
+    builder->scan = &gltf.scan;
+    builder->next_look = gltf.scan.end; /* the making looks at the control itself */
+    if (status == GD_OK) status = count(&gltf, &sum);
+    if (status == GD_OK && sum.triangles == 0) status = fail_empty(&gltf, &sum);
+    if (status == GD_OK) status = reserve(builder, &sum);
+    if (status == GD_OK) status = make_scene(&gltf, builder, &sum);
+    free_document(&gltf);
+    builder->scan = scan;
+    return status;
+}
+
+enum gd_status gd__gltf_read(struct gd__scan *scan, struct gd__builder *builder)
+{
+    scan->by_byte = true;
+    return read_file(scan, builder, false);
+}
+
+enum gd_status gd__glb_read(struct gd__scan *scan, struct gd__builder *builder)
+{
+    scan->by_byte = true;
+    return read_file(scan, builder, true);
+}
+
+/* --- what it costs ------------------------------------------------------------------------------------------------ */
+
+/* A position, and the slots by which it is found again (weld.h: at most four). */
+#define VERTEX_BYTES (sizeof(double[3]) + 4 * sizeof(uint32_t))
+
+/* A value of the tree takes at least two of its bytes; the lists and marks of what nodes there are, no more than half as much again. */
+#define TREE_FACTOR 6
+
+static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limits *limits)
+{
+    struct gd_read_limits most = limits ? *limits : (struct gd_read_limits){0};
+    uint64_t vertices = sum->vertices;
+    if (most.max_faces && sum->triangles > most.max_faces) return 0;
+    if (most.max_vertices && vertices > most.max_vertices) vertices = most.max_vertices;
+    return (size_t)(vertices * VERTEX_BYTES + sum->triangles * sizeof(uint32_t[3]) + sum->largest * sizeof(uint32_t));
+}
+
+size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb, const struct gd_read_limits *limits)
+{
+    const struct gd__scan scan = gd__scan_begin(bytes, size, NULL);
+    struct gd__gltf gltf;
+    struct gd__gltf_sum sum = {0};
+    enum gd_status status = open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);
+    if (status == GD_OK) status = count(&gltf, &sum);
+    size_t cost = status == GD_OK ? cost_of(&sum, limits) : 0, document = TREE_FACTOR * gltf.json.size + size;
+    free_document(&gltf);
+    return cost ? cost + document : 0;
+}

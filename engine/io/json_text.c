@@ -1,0 +1,79 @@
+#include "io/json_text.h"
+
+#include <stdio.h>
+
+void gd__json_skip_space(struct gd__scan *scan)
+{
+    while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\t' || gd__is_newline(*scan->at))) scan->at++;
+}
+
+bool gd__json_accept(struct gd__scan *scan, char c)
+{
+    gd__json_skip_space(scan);
+    if (scan->at == scan->end || *scan->at != c) return false;
+    scan->at++;
+    return true;
+}
+
+enum gd_status gd__json_expect(struct gd__scan *scan, char c)
+{
+    return gd__json_accept(scan, c) ? GD_OK : gd__scan_unexpected(scan, (char[]){'\'', c, '\'', '\0'});
+}
+
+static const char *skip_digits(const char *at, const char *end)
+{
+    while (at < end && *at >= '0' && *at <= '9') at++;
+    return at;
+}
+
+/* The end of the number at `at` by JSON's grammar, which is narrower than other formats'; `at` itself if there is none. */
+static const char *number_end(const char *at, const char *end)
+{
+    const char *integer = at < end && *at == '-' ? at + 1 : at;
+    const char *next = skip_digits(integer, end);
+    if (next == integer || (*integer == '0' && next - integer > 1)) return at;
+    if (next < end && *next == '.') {
+        const char *fraction = next + 1;
+        next = skip_digits(fraction, end);
+        if (next == fraction) return at;
+    }
+    if (next < end && (*next == 'e' || *next == 'E')) {
+        const char *exponent = next + 1;
+        if (exponent < end && (*exponent == '+' || *exponent == '-')) exponent++;
+        next = skip_digits(exponent, end);
+        if (next == exponent) return at;
+    }
+    return next;
+}
+
+enum gd_status gd__json_number(struct gd__scan *scan, double *out)
+{
+    gd__json_skip_space(scan);
+    if (number_end(scan->at, scan->end) == scan->at) return gd__scan_unexpected(scan, "a JSON number");
+    return gd__scan_number(scan, out);
+}
+
+enum gd_status gd__json_string_run(struct gd__scan *scan, const char *what, size_t most)
+{
+    char rest[64];
+    const char *stop = gd__scan_left(scan) < most ? scan->end : scan->at + most;
+    while (scan->at < stop && *scan->at != '"') {
+        if ((unsigned char)*scan->at < ' ') {
+            snprintf(rest, sizeof rest, "the rest of %s", what);
+            return gd__scan_unexpected(scan, rest);
+        }
+        scan->at += *scan->at == '\\' && gd__scan_left(scan) > 1 ? 2 : 1;
+    }
+    return GD_OK;
+}
+
+enum gd_status gd__json_string(struct gd__scan *scan, const char *what, struct gd__word *out)
+{
+    gd__json_skip_space(scan);
+    const char *begin = scan->at;
+    if (!gd__json_accept(scan, '"')) return gd__scan_unexpected(scan, what);
+    enum gd_status status = gd__json_string_run(scan, what, SIZE_MAX);
+    if (status != GD_OK) return status;
+    *out = (struct gd__word){begin, (size_t)(scan->at - begin) + 1};
+    return gd__json_expect(scan, '"');
+}

@@ -1,0 +1,3 @@
+#include "tests/fuzz/reader.h"
+
+FUZZ_READER(GLTF)
