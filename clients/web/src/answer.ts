@@ -31,8 +31,8 @@ export class Answer {
   show(facts: Fact[], ...more: Node[]): void {
     this.error.textContent = "";
     const rows = facts.flatMap(({ label, value, main, title = "" }) => [
-      make("dt", {}, label),
-      make("dd", { class: main ? "main" : "", title }, value),
+      make("dt", main ? { class: "main" } : {}, label),
+      make("dd", { ...(main && { class: "main" }), title }, value),
     ]);
     this.body.replaceChildren(make("dl", {}, ...rows), ...more);
   }

@@ -3,6 +3,7 @@
 import { Answer } from "./answer.ts";
 import { Api, ApiError } from "./api.ts";
 import { Bench, isAbort } from "./bench.ts";
+import { rememberCage } from "./cages.ts";
 import { Chooser } from "./chooser.ts";
 import { byId } from "./dom.ts";
 import { Handles } from "./handles.ts";
@@ -11,6 +12,7 @@ import { Legend } from "./legend.ts";
 import { loadSurface, namesOf } from "./load.ts";
 import { allModes } from "./modes/index.ts";
 import type { Mode } from "./modes/mode.ts";
+import type { Place } from "./place.ts";
 import { Points } from "./points.ts";
 import { Rate } from "./rate.ts";
 import { SAMPLES, type Sample } from "./samples.ts";
@@ -23,16 +25,9 @@ import { type Description, upload } from "./upload.ts";
 const STARTING_FACES = 300000; /* a larger mesh is not opened unasked */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
 
-/** Where the first points of a surface lie, as parts of the picture's width and height about its middle. */
-const SPOTS: Pixel[] = [
-  { x: -0.12, y: 0.06 },
-  { x: 0.12, y: -0.08 },
-  { x: 0.04, y: 0.14 },
-  { x: -0.06, y: -0.14 },
-  { x: 0.17, y: 0.08 },
-  { x: -0.18, y: -0.05 },
-  { x: 0, y: 0 },
-];
+/** Where the first points of a surface lie: on a ring about the middle of the picture, and nearer to it where the surface is not seen there. */
+const RING = 6;
+const RADII = [0.3, 0.22, 0.14, 0.07, 0];
 
 export class App {
   readonly api = new Api();
@@ -61,7 +56,9 @@ export class App {
       upload: (file, kind, query) => void this.upload(kind, { name: file.name, body: file }, query),
       remove: () => void this.remove(),
     });
+    this.bench.onMeshes = () => void this.list();
     this.points.onChange = (live) => this.changed(live);
+    this.points.onLook = () => this.showHandles();
     this.scene.onFrame = () => this.handles.place();
     this.scene.onCamera = () => this.writeState();
     for (const mode of this.modes) mode.settings.onChange = (live) => this.changed(live);
@@ -77,6 +74,7 @@ export class App {
   private async list(): Promise<void> {
     try {
       const [meshes, subdivisions, nurbs] = await Promise.all(KINDS.map((kind) => namesOf(this.api, kind)));
+      this.bench.taken = new Set(meshes);
       this.chooser.show({ meshes: meshes!, subdivisions: subdivisions!, nurbs: nurbs! }, this.bench.surface);
     } catch (error) {
       this.fail(error);
@@ -110,8 +108,15 @@ export class App {
       await this.open(kind, parameters.get(kind)!, parameters);
     } else {
       if (wanted) this.mode = wanted;
-      await this.openSomething();
+      await (wanted && wanted.kind !== "meshes" ? this.openKind(wanted.kind) : this.openSomething());
     }
+  }
+
+  /** The first surface of a kind, or a sample of it. */
+  private async openKind(kind: Kind): Promise<void> {
+    const known = this.chooser.known[kind].find((name) => !/-(limit|mesh)$/.test(name));
+    if (known) await this.open(kind, known);
+    else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
   }
 
   /** The first mesh of the daemon, unless it is very large; else the user is shown where to begin. */
@@ -162,6 +167,7 @@ export class App {
     const onUpload = (what: string, part: number): void => this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
     let made: Description | undefined;
     try {
+      if (kind === "subdivisions") await rememberCage(await file.body.text());
       made = await upload(this.api, kind, file, query, onUpload, opening.signal);
       await this.list();
     } catch (error) {
@@ -197,11 +203,8 @@ export class App {
     if (mode === this.mode && this.bench.surface?.kind === mode.kind) return;
     this.leaveMode();
     this.mode = mode;
-    const kind = mode.kind;
-    if (this.bench.surface?.kind === kind) return this.enterMode();
-    const known = this.chooser.known[kind].find((name) => !name.endsWith("-limit") && !name.endsWith("-mesh"));
-    if (known) await this.open(kind, known);
-    else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
+    if (this.bench.surface?.kind === mode.kind) this.enterMode();
+    else await this.openKind(mode.kind);
   }
 
   private leaveMode(): void {
@@ -225,22 +228,39 @@ export class App {
     this.changed(false);
   }
 
-  /** As many points as the mode wants at least, where the surface is seen about the middle of the picture. */
+  /** As many points as the mode begins with, where the surface is seen about the middle of the picture. */
   private setFirstPoints(): void {
+    let spot = 0;
+    for (const group of this.mode.groups) {
+      const places = Array.from({ length: group.first ?? group.least }, () => this.spot(spot++));
+      this.points.set(group.id, places.filter((place) => place !== null));
+    }
+  }
+
+  private spot(i: number): Place | null {
     const { x, y } = this.scene.size;
-    const places = SPOTS.map((spot) => this.scene.pick({ x: x / 2 + spot.x * Math.min(x, y) * 2, y: y / 2 + spot.y * Math.min(x, y) * 2 }));
-    const found = places.filter((place) => place !== null);
-    for (const group of this.mode.groups) this.points.set(group.id, found.splice(0, group.least));
+    const angle = 2.4 + (2 * Math.PI * (i % RING)) / RING;
+    for (const part of RADII) {
+      const radius = part * Math.min(x, y) * (i < RING ? 1 : 0.5);
+      const place = this.scene.pick({ x: x / 2 + radius * Math.cos(angle), y: y / 2 + radius * Math.sin(angle) });
+      if (place) return place;
+    }
+    return null;
   }
 
   /** Points or settings have changed: ask again, newest first. */
   changed(live: boolean): void {
-    this.handles.update();
+    this.showHandles();
     this.tell();
     this.writeState();
     if (live && !this.mode.followsDrag) return;
     this.bench.abortJob();
     this.asker.put(live);
+  }
+
+  private showHandles(): void {
+    byId("handles").hidden = !this.mode.showsPoints;
+    this.handles.update();
   }
 
   private async ask(live: boolean): Promise<void> {
@@ -256,6 +276,7 @@ export class App {
       this.fail(error);
     }
     bench.end();
+    this.showHandles();
     this.tell();
   }
 

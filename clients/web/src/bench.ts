@@ -22,6 +22,10 @@ export class Bench {
   elapsed = 0;
   /** The last answer, as it came. */
   last: unknown;
+  /** The names of the daemon's meshes. */
+  taken: ReadonlySet<string> = new Set();
+  /** Called when a mode has made meshes. */
+  onMeshes: () => void = () => {};
   private requests: Request[] = [];
   private running: AbortController | undefined;
   private isJob = false;
@@ -35,6 +39,21 @@ export class Bench {
     readonly units: Units,
     readonly display: Display,
   ) {}
+
+  /** What is asked beside the mode's own question, at the press of a button; its problems are shown. */
+  async question(work: () => Promise<void>): Promise<boolean> {
+    this.abort();
+    this.begin();
+    let done = false;
+    try {
+      await work();
+      done = true;
+    } catch (error) {
+      if (!isAbort(error)) this.answer.fail(error);
+    }
+    this.end();
+    return done;
+  }
 
   /** Begins a question. */
   begin(): void {

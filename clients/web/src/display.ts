@@ -54,7 +54,7 @@ export class Display {
     skin?.setFlat(settings.on("flat"));
     app.scene.showEdges(settings.on("edges"));
     app.showFacts();
-    app.scene.draw();
+    app.scene.setGround(getComputedStyle(document.body).backgroundColor);
     if (again) app.changed(false);
   }
 }

@@ -7,6 +7,9 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 import { GreaterDepth, type ColorRepresentation } from "three";
 import type { Vec3 } from "./vector.ts";
 
+/** How far lines are lifted towards the eye, in steps of a depth of 24 bits: over the triangles that stand for a smooth surface, too. */
+const LIFT = 12000;
+
 export interface LineStyle {
   colour: ColorRepresentation;
   width: number;
@@ -26,7 +29,14 @@ function segmentsOf(polylines: Vec3[][]): Float32Array {
 }
 
 function material(style: LineStyle, behind: boolean): LineMaterial {
-  const made = new LineMaterial({ color: style.colour, linewidth: style.width, transparent: true, depthWrite: false });
+  const made = new LineMaterial({
+    color: style.colour,
+    linewidth: style.width,
+    transparent: true,
+    depthWrite: false,
+    polygonOffset: true,
+    polygonOffsetUnits: -LIFT,
+  });
   if (behind) {
     made.depthFunc = GreaterDepth;
     made.opacity = style.hidden ?? 0.25;

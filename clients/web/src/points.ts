@@ -9,6 +9,8 @@ export interface Group {
   label: string;
   /** As many must be there before anything is asked. */
   least: number;
+  /** As many are there at first; `least` if it is left out. */
+  first?: number;
   most: number;
   colour: string;
 }
@@ -28,6 +30,8 @@ export class Points {
   active = 0;
   private places: Place[][] = [];
   onChange: OnChange = () => {};
+  /** Called when they are to be shown, or hidden, or not any more. */
+  onLook: () => void = () => {};
 
   /** Other groups, without points. */
   reset(groups: Group[]): void {

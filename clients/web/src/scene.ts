@@ -1,7 +1,8 @@
 // The picture: camera, light, the surface's skin and the lines on it. A frame is drawn when something has changed, never else.
 
-import { DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Scene as ThreeScene, Vector3, WebGLRenderer } from "three";
+import { Color, DirectionalLight, Group, HemisphereLight, LinearSRGBColorSpace, PerspectiveCamera, Scene as ThreeScene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Backdrop } from "./backdrop.ts";
 import { Lines } from "./lines.ts";
 import { Skin } from "./skin.ts";
 import type { Surface } from "./surface.ts";
@@ -16,10 +17,21 @@ export interface Pixel {
 const FIELD_OF_VIEW = 35; /* degrees, upright */
 const MARGIN = 1.12; /* of the surface's sphere */
 
+/** Where the processor draws, smooth edges would cost more than half of the frames. */
+function hasGraphicsCard(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  const info = context?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? String(context!.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return !/swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class Scene {
   readonly lines = new Lines();
-  /** What a mode shows beside lines. */
+  /** What moves on the surface. */
   readonly props = new Group();
+  /** What a mode shows beside the surface, or instead of it. */
+  readonly solids = new Group();
   /** Called after each frame. */
   onFrame: () => void = () => {};
   /** Called when the user has moved the camera. */
@@ -27,18 +39,26 @@ export class Scene {
   skin: Skin | undefined;
   private surface: Surface | undefined;
   private readonly renderer: WebGLRenderer;
-  private readonly three = new ThreeScene();
+  /** The surface and its light; what lies on it, which is drawn over it. */
+  private readonly ground = new ThreeScene();
+  private readonly above = new ThreeScene();
+  private readonly sky = new HemisphereLight(0xffffff, 0x98a0a8, 1.5);
+  private readonly backdrop: Backdrop;
   private readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
   private controls: OrbitControls;
   private wanted = false;
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    const isFast = hasGraphicsCard();
+    this.renderer = new WebGLRenderer({ canvas, antialias: isFast });
+    this.renderer.autoClear = false;
+    this.renderer.setPixelRatio(isFast ? Math.min(devicePixelRatio, 2) : 1);
+    this.backdrop = new Backdrop(isFast ? 4 : 0);
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.6, 0.8, 1);
     this.camera.add(lamp);
-    this.three.add(this.camera, new HemisphereLight(0xffffff, 0x98a0a8, 1.5), this.props, this.lines.group);
+    this.ground.add(this.camera, this.sky, this.solids);
+    this.above.add(new HemisphereLight(0xffffff, 0x606870, 3), this.props, this.lines.group);
     this.controls = this.makeControls("y");
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
@@ -46,10 +66,11 @@ export class Scene {
 
   private makeControls(up: string): OrbitControls {
     this.camera.up.set(0, up === "y" ? 1 : 0, up === "y" ? 0 : 1);
+    this.sky.position.copy(this.camera.up);
     const controls = new OrbitControls(this.camera, this.canvas);
     controls.minDistance = 0.02;
     controls.maxDistance = 30;
-    controls.addEventListener("change", () => this.draw());
+    controls.addEventListener("change", () => this.redraw());
     controls.addEventListener("end", () => this.onCamera());
     return controls;
   }
@@ -60,17 +81,30 @@ export class Scene {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.redraw();
+  }
+
+  /** The colour behind the surface. */
+  setGround(colour: string): void {
+    this.ground.background = new Color().setStyle(colour, LinearSRGBColorSpace); /* as it is: the backdrop stores what screens take */
+    this.redraw();
+  }
+
+  /** Asks for a frame in which the surface itself looks different. */
+  redraw(): void {
+    this.backdrop.spoil();
     this.draw();
   }
 
-  /** Asks for a frame. */
+  /** Asks for a frame: something on the surface has changed. */
   draw(): void {
     if (this.wanted) return;
     this.wanted = true;
     requestAnimationFrame(() => {
       this.wanted = false;
       this.clip();
-      this.renderer.render(this.three, this.camera);
+      this.backdrop.draw(this.renderer, this.ground, this.camera);
+      this.renderer.render(this.above, this.camera);
       this.onFrame();
     });
   }
@@ -84,19 +118,20 @@ export class Scene {
   }
 
   show(surface: Surface | undefined): void {
-    if (this.skin) this.three.remove(this.skin.mesh);
+    if (this.skin) this.ground.remove(this.skin.mesh);
     this.skin?.dispose();
     this.lines.clear();
     this.props.clear();
+    this.solids.clear();
     this.surface = surface;
     this.skin = surface && new Skin(surface.positions, surface.triangles.faces);
-    if (this.skin) this.three.add(this.skin.mesh);
-    this.draw();
+    if (this.skin) this.ground.add(this.skin.mesh);
+    this.redraw();
   }
 
   showEdges(show: boolean): void {
     this.skin?.showEdges(show);
-    this.draw();
+    this.redraw();
   }
 
   /** The surface from a little above, as large as it fits. */
@@ -109,7 +144,7 @@ export class Scene {
     this.camera.position.set(...scale(from, distance));
     this.controls.target.set(0, 0, 0);
     this.controls.update();
-    this.draw();
+    this.redraw();
   }
 
   get up(): string {
@@ -141,7 +176,7 @@ export class Scene {
 
   private moved(): void {
     this.controls.update();
-    this.draw();
+    this.redraw();
     this.onCamera();
   }
 
@@ -158,7 +193,7 @@ export class Scene {
     this.camera.position.set(x!, y!, z!);
     this.controls.target.set(a!, b!, c!);
     this.controls.update();
-    this.draw();
+    this.redraw();
   }
 
   get size(): Pixel {

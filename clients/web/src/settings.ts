@@ -3,7 +3,12 @@
 import { freshId, make } from "./dom.ts";
 import { number } from "./units.ts";
 
-interface Range {
+/** Shown only while another setting has one of these values. */
+interface Conditional {
+  while?: { name: string; values: string[] };
+}
+
+interface Range extends Conditional {
   kind: "range";
   label: string;
   value: number;
@@ -13,13 +18,13 @@ interface Range {
   format?: (value: number) => string;
 }
 
-interface Check {
+interface Check extends Conditional {
   kind: "check";
   label: string;
   value: boolean;
 }
 
-interface Choice {
+interface Choice extends Conditional {
   kind: "choice";
   label: string;
   value: string;
@@ -46,10 +51,13 @@ export const choice = (label: string, value: string, options: [string, string][]
   options,
 });
 
+export const only = <S extends Setting>(name: string, values: string[], setting: S): S => ({ ...setting, while: { name, values } });
+
 export class Settings {
   /** `live` while a slider is being moved. */
   onChange: (live: boolean) => void = () => {};
   private readonly values = new Map<string, Setting["value"]>();
+  private conditions: (() => void)[] = [];
   private readonly shows = new Map<string, () => void>();
 
   constructor(private readonly table: Record<string, Setting>) {
@@ -71,14 +79,29 @@ export class Settings {
   set(name: string, value: Setting["value"]): void {
     this.values.set(name, value);
     this.shows.get(name)?.();
+    this.showConditions();
   }
 
   /** The controls, in the order of the table. */
   elements(): HTMLElement[] {
-    return Object.entries(this.table).map(([name, setting]) => {
-      if (setting.kind === "range") return this.rangeElement(name, setting);
-      return setting.kind === "check" ? this.checkElement(name, setting) : this.choiceElement(name, setting);
+    this.conditions = [];
+    const elements = Object.entries(this.table).map(([name, setting]) => {
+      const node = this.element(name, setting);
+      const condition = setting.while;
+      if (condition) this.conditions.push(() => (node.hidden = !condition.values.includes(this.text(condition.name))));
+      return node;
     });
+    this.showConditions();
+    return elements;
+  }
+
+  private element(name: string, setting: Setting): HTMLElement {
+    if (setting.kind === "range") return this.rangeElement(name, setting);
+    return setting.kind === "check" ? this.checkElement(name, setting) : this.choiceElement(name, setting);
+  }
+
+  private showConditions(): void {
+    for (const show of this.conditions) show();
   }
 
   private changed(name: string, value: Setting["value"], live: boolean): void {

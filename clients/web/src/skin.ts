@@ -12,7 +12,7 @@ import {
   MeshLambertMaterial,
   SRGBColorSpace,
 } from "three";
-import { type Rgb, rampBytes } from "./colours.ts";
+import { type Rgb, rampBytes, toLinear } from "./colours.ts";
 
 const RAMP_SIZE = 256;
 
@@ -28,6 +28,11 @@ varying float vValue;
 const RAMP_COLOUR = `
 #include <color_fragment>
 if (vValue >= 0.0) diffuseColor.rgb = texture2D(ramp, vec2(vValue * ${((RAMP_SIZE - 1) / RAMP_SIZE).toFixed(6)} + ${(0.5 / RAMP_SIZE).toFixed(6)}, 0.5)).rgb;`;
+
+/** Colours are stored as screens take them, in the backdrop too. */
+function encode(shader: { fragmentShader: string }): void {
+  shader.fragmentShader = shader.fragmentShader.replace("#include <colorspace_fragment>", "gl_FragColor = sRGBTransferOETF(gl_FragColor);");
+}
 
 function rampTexture(name: string): DataTexture {
   const texture = new DataTexture(rampBytes(name, RAMP_SIZE), RAMP_SIZE, 1);
@@ -68,6 +73,7 @@ export class Skin {
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", RAMP_FRAGMENT)
         .replace("#include <color_fragment>", RAMP_COLOUR);
+      encode(shader);
     };
     return material;
   }
@@ -85,6 +91,7 @@ export class Skin {
   showEdges(show: boolean): void {
     if (show && !this.edges) {
       const material = new MeshBasicMaterial({ wireframe: true, color: "#24323a", transparent: true, opacity: 0.35 });
+      material.onBeforeCompile = encode;
       this.edges = new Mesh(this.mesh.geometry, material);
       this.mesh.add(this.edges);
     }
@@ -109,10 +116,10 @@ export class Skin {
 
   /** The colour of each vertex' label; null: the plain one. */
   showLabels(labels: (number | null)[], colours: Rgb[], plain: Rgb): void {
-    const array = new Uint8Array(3 * labels.length);
+    const array = new Uint8ClampedArray(3 * labels.length);
     labels.forEach((label, i) => {
       const rgb = label === null ? plain : (colours[label] ?? plain);
-      array.set(rgb.map((c) => Math.round(255 * c)), 3 * i);
+      array.set(rgb.map((c) => Math.round(255 * toLinear(c))), 3 * i);
     });
     this.mesh.geometry.setAttribute("color", new BufferAttribute(array, 3, true));
     this.useVertexColours(true);

@@ -64,6 +64,11 @@ export class Surface {
     this.positions = viewed(triangles.positions, this.frame);
   }
 
+  /** Positions in the file's unit as they lie in the frame. */
+  view(positions: Float64Array): Float32Array {
+    return viewed(positions, this.frame);
+  }
+
   get path(): string {
     return `/v1/${this.kind}/${encodeURIComponent(this.name)}`;
   }

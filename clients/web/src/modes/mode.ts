@@ -9,7 +9,7 @@ import type { Kind } from "../surface.ts";
 import { milliseconds } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 
-export const INK = { path: "#e4572e", first: "#0b7a75", second: "#b5179e", third: "#c77700", isoline: "#10202a" };
+export const INK = { path: "#e4572e", first: "#0b7a75", second: "#b5179e", third: "#c77700", isoline: "#10202a", cage: "#5b6b75" };
 
 export abstract class Mode {
   /** In the URL. */
@@ -31,6 +31,11 @@ export abstract class Mode {
     return true;
   }
 
+  /** Whether points can be seen and moved now. */
+  get showsPoints(): boolean {
+    return true;
+  }
+
   /** Controls of its own beside the settings. */
   extras(): Node[] {
     return [];
@@ -45,7 +50,7 @@ export abstract class Mode {
     this.bench.scene.props.clear();
     this.bench.scene.skin?.clear();
     this.bench.legend.hide();
-    this.bench.scene.draw();
+    this.bench.scene.redraw();
   }
 
   protected lines(name: string, polylines: Vec3[][], colour: string, width: number, hidden?: number): void {

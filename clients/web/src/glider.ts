@@ -1,0 +1,73 @@
+// An object that moves along a curve: it looks where the curve goes, and stands upright on the surface.
+
+import { ConeGeometry, Group, Matrix4, Mesh, MeshLambertMaterial, BoxGeometry, Vector3 } from "three";
+import type { Scene } from "./scene.ts";
+import type { Vec3 } from "./vector.ts";
+
+export interface Frame {
+  xyz: Vec3;
+  tangent: Vec3;
+  normal: Vec3;
+  binormal: Vec3;
+}
+
+const SIZE = 0.06; /* in the surface's frame */
+const ROUND = 8; /* seconds that a whole curve takes */
+
+function shape(): Group {
+  const body = new Mesh(new ConeGeometry(SIZE * 0.4, SIZE * 2, 20).rotateZ(-Math.PI / 2), new MeshLambertMaterial({ color: "#c98a00" }));
+  const fin = new Mesh(new BoxGeometry(SIZE * 0.6, SIZE * 0.08, SIZE * 0.9).translate(-SIZE * 0.5, 0, SIZE * 0.4), new MeshLambertMaterial({ color: "#7a1fa2" }));
+  const wings = new Mesh(new BoxGeometry(SIZE * 0.5, SIZE * 1.8, SIZE * 0.08).translate(-SIZE * 0.3, 0, 0), new MeshLambertMaterial({ color: "#7a1fa2" }));
+  return new Group().add(body, fin, wings);
+}
+
+export class Glider {
+  private readonly object = shape();
+  private frames: Frame[] = [];
+  private isRunning = false;
+  private part = 0;
+  private before = 0;
+
+  constructor(private readonly scene: Scene) {
+    this.object.matrixAutoUpdate = false;
+  }
+
+  /** Goes along these frames, which follow each other at equal times; where it is now it stays, as a part of the whole. */
+  follow(frames: Frame[]): void {
+    this.frames = frames;
+    this.scene.props.add(this.object);
+    if (this.isRunning) return;
+    this.isRunning = true;
+    this.before = performance.now();
+    requestAnimationFrame((now) => this.step(now));
+  }
+
+  stop(): void {
+    this.isRunning = false;
+    this.object.removeFromParent();
+    this.scene.draw();
+  }
+
+  private step(now: number): void {
+    if (!this.isRunning) return;
+    this.part = (this.part + (now - this.before) / 1000 / ROUND) % 1;
+    this.before = now;
+    this.place();
+    this.scene.draw();
+    requestAnimationFrame((next) => this.step(next));
+  }
+
+  private place(): void {
+    const at = this.part * (this.frames.length - 1);
+    const [a, b] = [this.frames[Math.floor(at)], this.frames[Math.ceil(at)]];
+    if (!a || !b) return;
+    const t = at - Math.floor(at);
+    const between = (x: Vec3, y: Vec3): Vector3 => new Vector3(...x).lerp(new Vector3(...y), t);
+    const tangent = between(a.tangent, b.tangent).normalize();
+    const normal = between(a.normal, b.normal).normalize();
+    const side = new Vector3().crossVectors(normal, tangent).normalize();
+    const [from, to] = this.scene.toView([a.xyz, b.xyz]) as [Vec3, Vec3];
+    const position = between(from, to).addScaledVector(normal, SIZE * 0.35);
+    this.object.matrix = new Matrix4().makeBasis(tangent, side, normal).setPosition(position);
+  }
+}

@@ -1,0 +1,145 @@
+// A NURBS surface: its shortest paths between points and curves, and the same in the domain.
+
+import type { DomainCurve, EvaluateAnswer, FootAnswer, GeodesicAnswer, Nurbs, Place as Uv } from "../../../js/types.d.ts";
+import { domainDrawing } from "../domain.ts";
+import { make } from "../dom.ts";
+import type { Place } from "../place.ts";
+import { check, choice, only, range, Settings } from "../settings.ts";
+import type { Kind } from "../surface.ts";
+import { number } from "../units.ts";
+import type { Vec3 } from "../vector.ts";
+import { INK, Mode } from "./mode.ts";
+
+const NET = 12; /* parts of the net of parameter lines */
+const STEPS = 48; /* of a parameter line */
+const SAMPLES = 200; /* of a path */
+
+const WARNINGS: Record<string, string> = {
+  not_converged: "the tolerance was not met",
+  boundary_contact: "it follows the border for a while",
+  curve_corner: "it ends in a corner or at an end of a curve",
+  through_pole: "it goes through a pole",
+  not_minimal: "no minimum was found, this is a critical path",
+};
+
+const percent = (value: number): string => `${number(100 * value, 3)} %`;
+
+export class NurbsMode extends Mode {
+  readonly id = "nurbs";
+  readonly title = "NURBS";
+  override readonly kind: Kind = "nurbs";
+  readonly hint = "A smooth parametric surface. Click two points, or ask for the way to a curve, or between two.";
+  readonly groups = [
+    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
+    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
+  ];
+  override settings = new Settings({
+    what: choice("The shortest path", "points", [
+      ["points", "from point to point"],
+      ["point-curve", "from the start to curve B"],
+      ["curves", "from curve A to curve B"],
+    ]),
+    a: only("what", ["curves"], range("Curve A: u is", 0.15, 0, 1, 0.01, percent)),
+    b: only("what", ["curves", "point-curve"], range("Curve B: v is", 0.85, 0, 1, 0.01, percent)),
+    minima: check("Longer local minima, too", false),
+    net: check("Net of parameter lines", true),
+  });
+  private net: Vec3[][] = [];
+
+  private get nurbs(): Nurbs {
+    return this.bench.surface!.description as Nurbs;
+  }
+
+  override enter(): void {
+    this.net = [];
+    const surface = this.bench.surface!;
+    const lines = [0, 1].flatMap((axis) => Array.from({ length: NET + 1 }, (_, i) => this.line(axis as 0 | 1, i / NET)));
+    void this.evaluate(lines).then((net) => {
+      if (this.bench.surface !== surface) return;
+      this.net = net;
+      this.showNet();
+    });
+  }
+
+  /** Places of a parameter line; axis 0: u stays the same. */
+  private line(axis: 0 | 1, part: number): Uv[] {
+    const { u, v } = this.nurbs.domain;
+    const at = ([low, high]: [number, number], t: number): number => low + t * (high - low);
+    return Array.from({ length: STEPS + 1 }, (_, i) =>
+      axis === 0 ? [at(u.range, part), at(v.range, i / STEPS)] : [at(u.range, i / STEPS), at(v.range, part)],
+    );
+  }
+
+  /** The same polylines on the surface. */
+  private async evaluate(lines: Uv[][]): Promise<Vec3[][]> {
+    if (lines.length === 0) return [];
+    const path = `${this.bench.surface!.path}/evaluate`;
+    const request = { method: "POST", path, query: { fields: "points,xyz" }, json: { uv: lines.flat() } } as const;
+    const points = (await this.bench.api.json<EvaluateAnswer>(request)).points!.map((point) => point.xyz!);
+    return lines.map((line) => points.splice(0, line.length));
+  }
+
+  private showNet(): void {
+    this.lines("net", this.settings.on("net") ? this.net : [], INK.cage, 1, 0);
+  }
+
+  private async locate(place: Place): Promise<Uv> {
+    return (await this.bench.post<FootAnswer>("nearest", { xyz: place.xyz })).uv!;
+  }
+
+  private curve(name: "a" | "b"): { curve: DomainCurve; line: Uv[] } {
+    const part = this.settings.number(name);
+    const axis = name === "a" ? 0 : 1;
+    const line = this.line(axis, part);
+    return { curve: { iso: axis === 0 ? "u" : "v", value: line[0]![axis] }, line };
+  }
+
+  async ask(): Promise<void> {
+    const { bench, settings } = this;
+    const options = { samples: SAMPLES, ...(settings.on("minima") && { all_minima: true }) };
+    const what = settings.text("what");
+    const curves = what === "points" ? [] : what === "curves" ? [this.curve("a"), this.curve("b")] : [this.curve("b")];
+    const found = await this.search(what, options);
+    const drawn = await this.evaluate(curves.map(({ line }) => line));
+    if (bench.aborted) return;
+    drawn.forEach((line, i) => this.lines(`curve${i}`, [line], i + 2 === drawn.length ? INK.first : INK.second, 3.5));
+    this.show(found, curves.map(({ line }) => line));
+  }
+
+  private async search(what: string, options: object): Promise<GeodesicAnswer> {
+    const { bench } = this;
+    const [from, to] = [bench.points.of("from")[0]!, bench.points.of("to")[0]!];
+    bench.scene.lines.remove("curve0");
+    bench.scene.lines.remove("curve1");
+    if (what === "curves") return bench.post("curve-distance", { a: this.curve("a").curve, b: this.curve("b").curve, ...options });
+    const start = await this.locate(from);
+    if (what === "point-curve") return bench.post("point-curve-distance", { point: start, curve: this.curve("b").curve, ...options });
+    return bench.post("geodesic", { from: start, to: await this.locate(to), ...options });
+  }
+
+  private show(found: GeodesicAnswer, curves: Uv[][]): void {
+    const { answer, units } = this.bench;
+    const places = (minimum: GeodesicAnswer): { uv: Uv; xyz: Vec3 }[] => (minimum.points ?? []) as { uv: Uv; xyz: Vec3 }[];
+    const longer = (found.minima ?? []).slice(1);
+    this.lines("longer", longer.map((minimum) => places(minimum).map(({ xyz }) => xyz)), INK.third, 2, 0.3);
+    this.lines("path", [places(found).map(({ xyz }) => xyz)], INK.path, 4);
+    this.showNet();
+    const drawing = domainDrawing(this.nurbs, [
+      ...curves.map((points) => ({ points, style: "curve" })),
+      { points: found.control_points ?? [], style: "polygon" },
+      ...longer.map((minimum) => ({ points: places(minimum).map(({ uv }) => uv), style: "longer" })),
+      { points: places(found).map(({ uv }) => uv), style: "path" },
+    ]);
+    answer.show(
+      [
+        { label: "Length", value: units.length(found.length!, 10), main: true, title: String(found.length) },
+        { label: "Error, estimated", value: units.length(found.error_estimate!, 2) },
+        { label: "A local minimum", value: found.is_minimum ? "proved" : "not proved" },
+        ...(found.minima ? [{ label: "Longer minima", value: longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none" }] : []),
+        ...(found.warnings?.length ? [{ label: "Mind", value: found.warnings.map((warning) => WARNINGS[warning]).join("; ") }] : []),
+        this.time,
+      ],
+      make("figure", {}, drawing, make("figcaption", { class: "faint" }, "The domain: the path, and its control polygon dashed")),
+    );
+  }
+}

@@ -1,0 +1,108 @@
+// A subdivision surface (Catmull-Clark, Loop): shortest paths and geodesics on the limit surface, under its control mesh.
+
+import type { LimitFootAnswer, LimitPairAnswer, LimitPlace, LimitTraceAnswer, LimitTraceRequest } from "../../../js/types.d.ts";
+import type { Fact } from "../answer.ts";
+import { cageEdges } from "../cages.ts";
+import { hexOf, memberColour } from "../colours.ts";
+import type { Place } from "../place.ts";
+import { check, choice, only, range, Settings } from "../settings.ts";
+import type { Kind } from "../surface.ts";
+import { number } from "../units.ts";
+import { subtract, type Vec3 } from "../vector.ts";
+import { INK, Mode, XYZ } from "./mode.ts";
+
+export class SubdivisionMode extends Mode {
+  readonly id = "limit";
+  readonly title = "Catmull-Clark";
+  override readonly kind: Kind = "subdivisions";
+  readonly hint = "The limit surface of a control mesh. Click two points of it.";
+  readonly groups = [
+    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
+    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
+  ];
+  override settings = new Settings({
+    what: choice("Ask for", "path", [
+      ["path", "the shortest path"],
+      ["trace", "the geodesic from start towards end"],
+      ["fan", "geodesics in all directions"],
+    ]),
+    fan: only("what", ["fan"], range("How many", 16, 2, 72, 1)),
+    length: only("what", ["trace", "fan"], range("Length", 1.5, 0.05, 10, 0.05, (value) => this.lengthText(value))),
+    smooth: only("what", ["trace", "fan"], check("On the surface itself (else on its discretization)", true)),
+    cage: check("Control mesh", true),
+  });
+  private edges: Vec3[][] = [];
+
+  private lengthText(value: number): string {
+    const { surface, units } = this.bench;
+    return surface ? units.length(value * surface.size, 4) : number(value);
+  }
+
+  override enter(): void {
+    this.edges = [];
+    const surface = this.bench.surface!;
+    void cageEdges(surface.description.sha256).then((edges) => {
+      if (this.bench.surface !== surface) return;
+      this.edges = edges;
+      this.showCage();
+    });
+  }
+
+  private showCage(): void {
+    this.lines("cage", this.settings.on("cage") ? this.edges : [], INK.cage, 1.5, 0.35);
+  }
+
+  /** The place of the limit surface that a point of the picture stands for. */
+  private async locate(place: Place): Promise<LimitPlace> {
+    const { face, corner, uv } = await this.bench.post<LimitFootAnswer>("nearest", { xyz: place.xyz });
+    return { face: face!, uv: uv!, ...(corner && { corner }) };
+  }
+
+  async ask(): Promise<void> {
+    const { points } = this.bench;
+    const [from, to] = [points.of("from")[0]!, points.of("to")[0]!];
+    const start = await this.locate(from);
+    if (this.settings.text("what") === "path") await this.askPath(start, await this.locate(to));
+    else await this.askTrace(start, subtract(to.xyz, from.xyz));
+  }
+
+  private async askPath(from: LimitPlace, to: LimitPlace): Promise<void> {
+    const { bench } = this;
+    const found = await bench.post<LimitPairAnswer>("path", { from, to }, XYZ);
+    this.show(found.path ? [found.path.points as Vec3[]] : []);
+    if (found.distance == null) return bench.answer.show([{ label: "Distance", value: "no path: the points lie on different components", main: true }]);
+    bench.answer.show([
+      { label: "Distance on the limit surface", value: bench.units.length(found.distance, 10), main: true, title: String(found.distance) },
+      { label: "Error, estimated", value: bench.units.length(found.error_estimate!, 2) },
+      { label: "A geodesic of the surface", value: found.relaxed ? "yes" : "no, a path of the discretization" },
+      { label: `Exact on level ${found.level}`, value: bench.units.length(found.mesh_distance!, 10) },
+      this.time,
+    ]);
+  }
+
+  private async askTrace(start: LimitPlace, towards: Vec3): Promise<void> {
+    const { bench, settings } = this;
+    const body: LimitTraceRequest = {
+      start,
+      ...(settings.text("what") === "fan" ? { fan: settings.number("fan") } : { directions: [towards] }),
+      length: settings.number("length") * bench.surface!.size,
+      smooth: settings.on("smooth"),
+    };
+    const { paths } = await bench.post<LimitTraceAnswer>("trace", body, XYZ);
+    this.show(paths!.map((path) => path.points as Vec3[]));
+    const total = paths!.reduce((sum, path) => sum + path.length, 0);
+    const ends = [...new Set(paths!.map((path) => path.end_reason))].join(", ").replace("step_limit", "too many steps");
+    const facts: Fact[] = [
+      { label: paths!.length > 1 ? "Length in all" : "Length", value: bench.units.length(total, 9), main: true, title: String(total) },
+      { label: "Ends by", value: ends },
+      this.time,
+    ];
+    bench.answer.show(facts);
+  }
+
+  private show(paths: Vec3[][]): void {
+    this.bench.scene.lines.clear();
+    paths.forEach((path, i) => this.lines(`path${i}`, [path], paths.length > 1 ? hexOf(memberColour(i, 0.6)) : INK.path, paths.length > 1 ? 2.5 : 4));
+    this.showCage();
+  }
+}

@@ -1,0 +1,72 @@
+// Straightest geodesics from a point: one in the direction of a second one, and fans.
+
+import type { TraceAnswer, TraceRequest } from "../../../js/types.d.ts";
+import { hexOf, memberColour } from "../colours.ts";
+import { pointOf } from "../place.ts";
+import { check, choice, range, Settings } from "../settings.ts";
+import { number } from "../units.ts";
+import { subtract } from "../vector.ts";
+import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
+
+const REASONS: Record<string, string> = {
+  length: "at its length",
+  boundary: "at the boundary",
+  self_intersection: "where it meets itself",
+  step_limit: "after too many edges",
+};
+
+export class TraceMode extends Mode {
+  readonly id = "trace";
+  readonly title = "Straightest lines";
+  readonly hint = "Click a start, then where to. The line goes straight on over edges and vertices; drag either point.";
+  readonly groups = [
+    { id: "start", label: "Start", least: 1, most: 1, colour: INK.first },
+    { id: "towards", label: "Direction", least: 1, most: 1, colour: INK.third },
+  ];
+  override settings = new Settings({
+    length: range("Length", 2, 0.05, 20, 0.05, (value) => this.lengthText(value)),
+    fan: range("Lines", 1, 1, 72, 1),
+    rule: choice("At vertices", "bisect", [
+      ["bisect", "halve the angle"],
+      ["limit_normal", "stay in the normal's plane"],
+    ]),
+    slide: check("Slide along the boundary", false),
+    cross: check("Stop where it meets itself", false),
+  });
+
+  private lengthText(value: number): string {
+    const { surface, units } = this.bench;
+    return surface ? units.length(value * surface.size, 4) : number(value);
+  }
+
+  private get request(): TraceRequest {
+    const { points, surface } = this.bench;
+    const [start, towards] = [points.of("start")[0]!, points.of("towards")[0]!];
+    const fan = this.settings.number("fan");
+    return {
+      start: pointOf(start),
+      ...(fan > 1 ? { fan } : { directions: [subtract(towards.xyz, start.xyz)] }),
+      length: this.settings.number("length") * surface!.size,
+      vertex_rule: this.settings.text("rule") as TraceRequest["vertex_rule"],
+      ...(this.settings.on("slide") && { boundary_rule: "slide" }),
+      ...(this.settings.on("cross") && { stop_at_self_intersection: true }),
+    };
+  }
+
+  async ask(): Promise<void> {
+    const { bench } = this;
+    const paths = (await bench.post<TraceAnswer>("trace", this.request, XYZ)).paths!;
+    bench.scene.lines.clear();
+    if (paths.length === 1) this.lines("line", [pointsOf(paths[0])], INK.path, 4);
+    else paths.forEach((path, i) => this.lines(`line${i}`, [pointsOf(path)], hexOf(memberColour(i, 0.6)), 2.5));
+    const total = paths.reduce((sum, path) => sum + path.length, 0);
+    const crossed = paths.reduce((sum, path) => sum + (path.points?.length ?? 0), 0);
+    const reasons = [...new Set(paths.map((path) => REASONS[path.end_reason]!))];
+    bench.answer.show([
+      { label: paths.length > 1 ? "Length in all" : "Length", value: bench.units.length(total, 9), main: true, title: String(total) },
+      { label: paths.length > 1 ? "They end" : "It ends", value: reasons.join(", or ") },
+      { label: "Points", value: String(crossed) },
+      this.time,
+    ]);
+  }
+}
