@@ -14,7 +14,7 @@ CXXFLAGS += -std=c++17 $(OPT) -g -fno-math-errno -ffp-contract=off -pthread $(WA
 LDFLAGS  += -pthread $(SAN)
 
 # Rooms of the engine, in order of rank (see README). ROOMS="base io" builds a part of the house.
-ROOMS   ?= base mesh io wedge field query transport cut nurbs subdiv
+ROOMS   ?= base mesh io wedge field query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*.c)
@@ -33,8 +33,8 @@ LIB_SAMPLES := $(BUILD)/libgd_samples.a
 LIB_SUPPORT := $(BUILD)/libgd_support.a
 LIB_CLIENT  := $(BUILD)/libgeodesicd-client.a
 
-ENGINE_LIBS := -lm
-SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lgnutls -lz
+ENGINE_LIBS := -lm -lz
+SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lz
 CLIENT_LIBS := -lcurl -ljansson -lm
 CLIENTS     := $(BUILD)/gd_client_scenario $(BUILD)/gd_client_example
 
@@ -48,19 +48,20 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers check-pages test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
+.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile | expand -t 22
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
 
 # --- for people ----------------------------------------------------------------------------------------------------------
 
 # Everything that building, running and testing need, from Debian 12's own packages.
-PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev zlib1g-dev \
+PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev libpq-dev zlib1g-dev \
             libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
-# The pages are made by node and npm, whoever installed them.
+# The pages are made by node and npm, whoever installed them; the tests of the pages want a browser, too.
 NODE      = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
+CHROMIUM  = $(if $(filter no,$(VIEWER)),,$(shell command -v chromium >/dev/null || echo chromium))
 define install_missing
 	@missing=$$(for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || echo $$p; done); \
 	if [ -n "$$missing" ]; then echo "installing:" $$missing; export DEBIAN_FRONTEND=noninteractive; \
@@ -69,6 +70,9 @@ endef
 
 setup: ## install what is missing (Debian 12)
 	$(call install_missing,$(PACKAGES) $(NODE))
+
+setup-test: setup
+	$(call install_missing,$(CHROMIUM))
 
 build: $(BUILD)/geodesicd $(BUILD)/gd_sample ## build the daemon and the sample maker
 
@@ -82,7 +86,8 @@ demo-stop: ## stop the demo's daemon
 serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
-test: setup nurbs-peers ## set up and run all tests
+test: PACKAGES += debhelper lintian pkg-config haproxy postgresql # wanted by tests only
+test: setup-test nurbs-peers web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
@@ -90,7 +95,7 @@ test: setup nurbs-peers ## set up and run all tests
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py tests/api/run.py tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py is skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0
@@ -99,8 +104,18 @@ nurbs-peers: ## programs that evaluate NURBS too, for the tests (wants npm)
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
 
+# Likewise: playwright-core and axe-core, for tests/web.
+web-peers:
+	@if ! cmp -s tests/web/package-lock.json $(BUILD)/web-peers/complete && command -v npm >/dev/null; then \
+	    mkdir -p $(BUILD)/web-peers && cp tests/web/package.json tests/web/package-lock.json $(BUILD)/web-peers && cd $(BUILD)/web-peers && \
+	    timeout 90 npm ci --silent --no-audit --no-fund --ignore-scripts --include=dev >/dev/null 2>&1 && cp package-lock.json complete || \
+	    echo "npm could not install playwright-core: the tests of the pages are skipped"; fi
+
 test-unit: test-build ## the C tests only
 	@tests/run.py $(TEST_PROGRAMS)
+
+test-web: build web-peers ## the pages in a browser only
+	@tests/run.py "tests/web/run.py --build $(BUILD)"
 
 test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
 	@tests/container/run.py --place $(BUILD)/container
@@ -245,10 +260,7 @@ $(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
 $(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
 	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
 
-PREFIX ?= /usr/local
-$(BUILD)/geodesicd-client.pc: clients/c/geodesicd-client.pc.in proto/openapi.yaml
-	@mkdir -p $(@D)
-	sed "s|@PREFIX@|$(PREFIX)|; s|@VERSION@|$$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)|" $< > $@
+include docker/packages.mk
 
 # --- generated sources: the route table and the embedded pages ------------------------------------------------------------
 

@@ -1,0 +1,99 @@
+#include "render/camera.h"
+
+#include <float.h>
+
+#define PARALLEL 1e-6 /* sine of an angle below which `up` is taken to be along the line of sight */
+
+static const struct gd_vec3 x_axis = {1, 0, 0}, y_axis = {0, 1, 0};
+
+static struct gd_vec3 unit(struct gd_vec3 v)
+{
+    double largest = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+    v = gd_vec3_scale(v, 1 / largest);
+    return gd_vec3_scale(v, 1 / gd_vec3_length(v));
+}
+
+static bool is_zero(struct gd_vec3 v)
+{
+    return v.x == 0 && v.y == 0 && v.z == 0;
+}
+
+/* What names of views are said of. */
+struct frame {
+    struct gd_vec3 right, up, front;
+};
+
+static struct frame frame_of(struct gd_vec3 up)
+{
+    struct frame frame = {.up = is_zero(up) ? y_axis : unit(up)};
+    struct gd_vec3 right = gd_vec3_along(x_axis, -gd_vec3_dot(x_axis, frame.up), frame.up);
+    if (gd_vec3_length(right) < PARALLEL) right = gd_vec3_along(y_axis, -gd_vec3_dot(y_axis, frame.up), frame.up);
+    frame.right = unit(right);
+    frame.front = gd_vec3_cross(frame.right, frame.up);
+    return frame;
+}
+
+struct gd_vec3 gd__view_from(double azimuth, double elevation, struct gd_vec3 up)
+{
+    struct frame frame = frame_of(up);
+    struct gd_vec3 level = gd_vec3_along(gd_vec3_scale(frame.front, cos(azimuth)), sin(azimuth), frame.right);
+    return gd_vec3_along(gd_vec3_scale(level, cos(elevation)), sin(elevation), frame.up);
+}
+
+struct gd_vec3 gd__view_direction(enum gd_view view, struct gd_vec3 up)
+{
+    static const double quarter = M_PI / 2, iso_azimuth = M_PI / 6, iso_elevation = 0.45;
+    struct frame frame = frame_of(up);
+    switch (view) {
+    case GD_VIEW_FRONT:
+        return frame.front;
+    case GD_VIEW_BACK:
+        return gd_vec3_scale(frame.front, -1);
+    case GD_VIEW_LEFT:
+        return gd__view_from(-quarter, 0, up);
+    case GD_VIEW_RIGHT:
+        return gd__view_from(quarter, 0, up);
+    case GD_VIEW_TOP:
+        return frame.up;
+    case GD_VIEW_BOTTOM:
+        return gd_vec3_scale(frame.up, -1);
+    default:
+        return gd__view_from(iso_azimuth, iso_elevation, up);
+    }
+}
+
+struct gd__camera gd__camera_aim(const struct gd_mesh *mesh, struct gd_vec3 towards, struct gd_vec3 up)
+{
+    struct frame frame = frame_of(up);
+    struct gd__camera camera = {.towards = unit(towards), .scale = 1};
+    struct gd_vec3 right = gd_vec3_cross(frame.up, camera.towards);
+    camera.right = gd_vec3_length(right) < PARALLEL ? frame.right : unit(right);
+    camera.up = unit(gd_vec3_cross(camera.towards, camera.right));
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    camera.centre = gd_vec3_along(gd_vec3_scale(summary->min, 0.5 / mesh->unit), 0.5 / mesh->unit, summary->max);
+    return camera;
+}
+
+void gd__camera_fit(struct gd__camera *camera, const struct gd_mesh *mesh, const struct gd__window_of_picture *window)
+{
+    double left = DBL_MAX, right = -DBL_MAX, bottom = DBL_MAX, top = -DBL_MAX;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        struct gd_vec3 at = gd_vec3_sub(mesh->position[v], camera->centre);
+        double x = gd_vec3_dot(at, camera->right), y = gd_vec3_dot(at, camera->up);
+        left = fmin(left, x);
+        right = fmax(right, x);
+        bottom = fmin(bottom, y);
+        top = fmax(top, y);
+    }
+    camera->scale = fmin(window->width / (right - left), window->height / (top - bottom));
+    camera->x = window->left + 0.5 * window->width - 0.5 * (left + right) * camera->scale;
+    camera->y = window->top + 0.5 * window->height + 0.5 * (bottom + top) * camera->scale;
+}
+
+struct gd__spot gd__camera_project(const struct gd__camera *camera, struct gd_vec3 position)
+{
+    struct gd_vec3 at = gd_vec3_scale(gd_vec3_sub(position, camera->centre), camera->scale);
+    return (struct gd__spot){(float)(camera->x + gd_vec3_dot(at, camera->right)),
+                             (float)(camera->y - gd_vec3_dot(at, camera->up)),
+                             (float)-gd_vec3_dot(at, camera->towards)};
+}

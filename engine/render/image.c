@@ -1,0 +1,32 @@
+#include "render/image.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/large.h"
+
+enum gd_status gd__image_open(struct gd__image *image, uint32_t width, uint32_t height, struct gd__purse *purse)
+{
+    size_t pixels = (size_t)width * height;
+    *image = (struct gd__image){.width = width, .height = height};
+    enum gd_status status = gd__purse_take(purse, pixels * sizeof *image->pixel);
+    if (status) return status;
+    image->pixel = gd__large_array(pixels, sizeof *image->pixel);
+    return image->pixel ? GD_OK : GD_NO_MEMORY;
+}
+
+void gd__image_close(struct gd__image *image)
+{
+    free(image->pixel);
+}
+
+/* Porter and Duff's "over", of colours that are not multiplied by their opacity. */
+void gd__image_blend(struct gd__image *image, size_t pixel, struct gd__colour colour, double opacity)
+{
+    uint8_t *at = image->pixel[pixel];
+    double below = (1 - opacity) * (at[3] / 255.0), sum = opacity + below;
+    const double over[3] = {colour.red, colour.green, colour.blue};
+    if (sum <= 0) return;
+    for (int k = 0; k < 3; k++) at[k] = (uint8_t)lround((opacity * 255 * over[k] + below * at[k]) / sum);
+    at[3] = (uint8_t)lround(255 * sum);
+}

@@ -1,0 +1,134 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "render/canvas.h"
+
+/* Strokes and discs on an image. Each pixel is covered as far as its middle lies within, from half a pixel outside to half a pixel inside; lines drawn with one pen cover
+ * a pixel once where they cross or join, as one line does. */
+
+/* Pixels that a shape may touch: [left, right) x [top, bottom). */
+struct box {
+    uint32_t left, top, right, bottom;
+};
+
+static uint32_t clamp(double x, uint32_t most)
+{
+    return x <= 0 ? 0 : x >= most ? most : (uint32_t)x;
+}
+
+static struct box box_of(const struct gd__image *image, double left, double top, double right, double bottom)
+{
+    return (struct box){clamp(floor(left), image->width), clamp(floor(top), image->height),
+                        clamp(ceil(right), image->width), clamp(ceil(bottom), image->height)};
+}
+
+static struct box box_around(struct box a, struct box b)
+{
+    return (struct box){a.left < b.left ? a.left : b.left, a.top < b.top ? a.top : b.top,
+                        a.right > b.right ? a.right : b.right, a.bottom > b.bottom ? a.bottom : b.bottom};
+}
+
+/* --- coverage ---------------------------------------------------------------------------------------------------------------- */
+
+static struct box cover_segment(struct gd__paint *paint, struct gd__place a, struct gd__place b, float radius)
+{
+    float reach = radius + 0.5F, x = b.x - a.x, y = b.y - a.y, square = x * x + y * y,
+          scale = square > 0 ? 1 / square : 0;
+    struct box box = box_of(paint->image, fminf(a.x, b.x) - reach, fminf(a.y, b.y) - reach, fmaxf(a.x, b.x) + reach,
+                            fmaxf(a.y, b.y) + reach);
+    for (uint32_t row = box.top; row < box.bottom; row++) {
+        uint8_t *coverage = paint->coverage + (size_t)row * paint->image->width;
+        float py = (float)row + 0.5F - a.y;
+        for (uint32_t column = box.left; column < box.right; column++) {
+            float px = (float)column + 0.5F - a.x, t = (px * x + py * y) * scale;
+            t = t < 0 ? 0 : t > 1 ? 1 : t;
+            float dx = px - t * x, dy = py - t * y, square_distance = dx * dx + dy * dy;
+            if (square_distance >= reach * reach) continue;
+            float part = reach - sqrtf(square_distance);
+            uint8_t covered = part >= 1 ? 255 : (uint8_t)(255 * part + 0.5F);
+            if (covered > coverage[column]) coverage[column] = covered;
+        }
+    }
+    return box;
+}
+
+/* Lays the colour over what is covered, and uncovers it. */
+static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__colour colour, double opacity)
+{
+    for (uint32_t row = box.top; row < box.bottom; row++)
+        for (uint32_t column = box.left; column < box.right; column++) {
+            size_t pixel = (size_t)row * paint->image->width + column;
+            if (!paint->coverage[pixel]) continue;
+            gd__image_blend(paint->image, pixel, colour, opacity * paint->coverage[pixel] / 255.0);
+            paint->coverage[pixel] = 0;
+        }
+}
+
+/* --- the canvas -------------------------------------------------------------------------------------------------------------- */
+
+static void draw_lines(struct gd__paint *paint, const struct gd__lines *lines, const struct gd__pen *pen)
+{
+    struct box all = {paint->image->width, paint->image->height, 0, 0};
+    for (uint32_t i = 0; i < lines->count; i++) {
+        uint32_t begin = gd__line_begin(lines, i), last = lines->ends[i] - 1;
+        for (uint32_t k = begin; k < last || k == begin; k++) {
+            const struct gd__place *place = lines->places;
+            all = box_around(all, cover_segment(paint, place[k], place[k < last ? k + 1 : k], (float)(pen->width / 2)));
+        }
+    }
+    fill_coverage(paint, all, pen->colour, pen->opacity);
+}
+
+static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, const struct gd__pen *pen)
+{
+    struct gd__lines dashes = {0};
+    if (canvas->status) return;
+    if (pen->dash > 0) gd__lines_dash(lines, pen->dash, pen->dash, &dashes);
+    canvas->status = dashes.status;
+    if (!canvas->status) draw_lines((struct gd__paint *)canvas, pen->dash > 0 ? &dashes : lines, pen);
+    gd__lines_free(&dashes);
+}
+
+static void disc(struct gd__canvas *canvas, struct gd__place centre, double radius, struct gd__colour colour,
+                 double opacity)
+{
+    struct gd__paint *paint = (struct gd__paint *)canvas;
+    if (canvas->status) return;
+    fill_coverage(paint, cover_segment(paint, centre, centre, (float)radius), colour, opacity);
+}
+
+static void text(struct gd__canvas *canvas, const struct gd__text *text)
+{
+    struct gd__lines lines = {0};
+    gd__text_strokes(text, &lines);
+    if (!canvas->status) canvas->status = lines.status;
+    stroke(canvas, &lines, &(struct gd__pen){text->colour, 1, text->size / 9, 0});
+    gd__lines_free(&lines);
+}
+
+static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture *area)
+{
+    struct gd__image *image = ((struct gd__paint *)canvas)->image;
+    struct box box = box_of(image, area->left, area->top, area->left + area->width, area->top + area->height);
+    if (canvas->status) return;
+    for (uint32_t row = box.top; row < box.bottom; row++) {
+        struct gd__colour colour = gd__colour_of_part(1 - (row + 0.5 - area->top) / area->height);
+        for (uint32_t column = box.left; column < box.right; column++)
+            gd__image_blend(image, (size_t)row * image->width + column, colour, 1);
+    }
+}
+
+enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse)
+{
+    size_t pixels = (size_t)image->width * image->height;
+    *paint = (struct gd__paint){.canvas = {stroke, disc, text, scale, GD_OK}, .image = image};
+    enum gd_status status = gd__purse_take(purse, pixels);
+    if (status) return status;
+    paint->coverage = calloc(pixels, 1);
+    return paint->coverage ? GD_OK : GD_NO_MEMORY;
+}
+
+void gd__paint_close(struct gd__paint *paint)
+{
+    free(paint->coverage);
+}

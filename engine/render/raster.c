@@ -1,0 +1,194 @@
+#include "render/raster.h"
+
+#include <stdlib.h>
+
+#include "base/large.h"
+
+enum { FACE_WORK = 64, CHECK_INTERVAL = 1 << 18 }; /* samples */
+
+/* --- one face ------------------------------------------------------------------------------------------------------------ */
+
+/* Samples' rows, or samples of a row, that lie below a coordinate: so many of `most`. */
+static inline uint32_t below(double coordinate, uint32_t most)
+{
+    double least = coordinate - 0.5;
+    if (least <= 0) return 0;
+    if (least >= most) return most;
+    uint32_t count = (uint32_t)least;
+    return count + (count < least);
+}
+
+/* A face that is put on a band. Corners from top to bottom. */
+struct patch {
+    struct gd__spot a, b, c;
+    float low, high; /* of their depths */
+    double along_x, along_y;
+};
+
+static void exchange_if(struct gd__spot *above, struct gd__spot *below_it)
+{
+    if (above->y <= below_it->y) return;
+    struct gd__spot spot = *above;
+    *above = *below_it;
+    *below_it = spot;
+}
+
+/* False: it is seen edge-on. */
+static bool make_patch(const struct gd__raster *raster, uint32_t face, struct patch *out)
+{
+    uint32_t v[3];
+    gd__corners(raster->mesh, face, v);
+    struct gd__spot a = raster->spots[v[0]], b = raster->spots[v[1]], c = raster->spots[v[2]];
+    exchange_if(&a, &b);
+    exchange_if(&b, &c);
+    exchange_if(&a, &b);
+    double bx = (double)b.x - a.x, by = (double)b.y - a.y, cx = (double)c.x - a.x, cy = (double)c.y - a.y;
+    double area = bx * cy - cx * by, bz = (double)b.z - a.z, cz = (double)c.z - a.z;
+    if (area == 0) return false;
+    *out = (struct patch){a,
+                          b,
+                          c,
+                          fminf(a.z, fminf(b.z, c.z)),
+                          fmaxf(a.z, fmaxf(b.z, c.z)),
+                          (bz * cy - cz * by) / area,
+                          (cz * bx - bz * cx) / area};
+    return true;
+}
+
+/* Where the edge from p down to q is at a height: the same for both of its faces, to the last bit. */
+static double edge_at(struct gd__spot p, struct gd__spot q, double y)
+{
+    return p.x + (y - p.y) * (((double)q.x - p.x) / ((double)q.y - p.y));
+}
+
+/* How many samples it looked at. */
+static uint32_t fill_row(struct gd__raster *raster, const struct patch *patch, uint32_t face, uint32_t row,
+                         uint32_t first_row)
+{
+    uint32_t grid = raster->grid, most = raster->width * grid;
+    double y = (row + 0.5) / grid, shift = gd__raster_shift(grid, row), long_edge = edge_at(patch->a, patch->c, y),
+           short_edge = y < patch->b.y ? edge_at(patch->a, patch->b, y) : edge_at(patch->b, patch->c, y);
+    bool is_left = long_edge < short_edge;
+    uint32_t from = below((is_left ? long_edge : short_edge) * grid - shift, most),
+             to = below((is_left ? short_edge : long_edge) * grid - shift, most);
+    size_t row_start = (size_t)(row - first_row) * most;
+    float *depth = raster->depth + row_start;
+    uint32_t *faces = raster->face + row_start;
+    float step = (float)(patch->along_x / grid),
+          start = (float)(patch->a.z + patch->along_x * ((from + 0.5 + shift) / grid - patch->a.x) +
+                          patch->along_y * (y - patch->a.y));
+    for (uint32_t i = from; i < to; i++) {
+        float z = start + step * (float)(i - from);
+        z = z < patch->low ? patch->low : z > patch->high ? patch->high : z;
+        if (z < depth[i]) {
+            depth[i] = z;
+            faces[i] = face;
+        }
+    }
+    return to - from;
+}
+
+static uint32_t fill_face(struct gd__raster *raster, uint32_t face, uint32_t first_row, uint32_t end_row)
+{
+    struct patch patch;
+    uint32_t samples = 0;
+    if (!make_patch(raster, face, &patch)) return 0;
+    uint32_t from = below((double)patch.a.y * raster->grid, end_row),
+             to = below((double)patch.c.y * raster->grid, end_row);
+    for (uint32_t row = from < first_row ? first_row : from; row < to; row++)
+        samples += fill_row(raster, &patch, face, row, first_row);
+    return samples;
+}
+
+enum gd_status gd__raster_fill(struct gd__raster *raster, uint32_t band, const struct gd_control *control)
+{
+    enum gd_status status = GD_OK;
+    uint32_t first_row = band * raster->rows * raster->grid, end_row = first_row + raster->rows * raster->grid,
+             work = 0;
+    uint32_t first = raster->first[band], end = raster->first[band + 1];
+    if (end_row > raster->height * raster->grid) end_row = raster->height * raster->grid;
+    size_t samples = (size_t)(end_row - first_row) * raster->width * raster->grid;
+    for (size_t i = 0; i < samples; i++) {
+        raster->depth[i] = INFINITY;
+        raster->face[i] = GD_NONE;
+    }
+    for (uint32_t i = first; i < end && !status; i++) {
+        work += FACE_WORK + fill_face(raster, raster->faces[i], first_row, end_row);
+        if (work < CHECK_INTERVAL) continue;
+        status = gd_control_check(control, (double)(i - first) / (end - first));
+        work = 0;
+    }
+    return status;
+}
+
+/* --- the bands' faces ------------------------------------------------------------------------------------------------------ */
+
+struct span {
+    uint32_t from, to; /* bands; none where equal */
+};
+
+/* Twice the area in the picture, more than 0 when it is seen from outside. */
+static double area_of(const struct gd__spot *a, const struct gd__spot *b, const struct gd__spot *c)
+{
+    return ((double)c->x - a->x) * ((double)b->y - a->y) - ((double)b->x - a->x) * ((double)c->y - a->y);
+}
+
+static struct span span_of(const struct gd__raster *raster, uint32_t face, bool is_closed)
+{
+    uint32_t v[3], grid = raster->grid, most = raster->height * grid, rows = raster->rows * grid;
+    gd__corners(raster->mesh, face, v);
+    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]], *c = &raster->spots[v[2]];
+    if (is_closed && area_of(a, b, c) <= 0) return (struct span){0, 0};
+    uint32_t from = below((double)fminf(a->y, fminf(b->y, c->y)) * grid, most),
+             to = below((double)fmaxf(a->y, fmaxf(b->y, c->y)) * grid, most);
+    return from == to ? (struct span){0, 0} : (struct span){from / rows, (to - 1) / rows + 1};
+}
+
+/* Counting sort. */
+static enum gd_status list_faces(struct gd__raster *raster)
+{
+    const struct gd_mesh *mesh = raster->mesh;
+    bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
+    uint32_t *next = raster->first;
+    uint64_t total = 0;
+    for (uint32_t b = 0; b <= raster->bands; b++) next[b] = 0;
+    for (uint32_t f = 0; f < mesh->face_count; f++) {
+        struct span span = span_of(raster, f, is_closed);
+        for (uint32_t b = span.from; b < span.to; b++) next[b]++;
+        total += span.to - span.from;
+    }
+    if (total > UINT32_MAX) return GD_NO_MEMORY;
+    enum gd_status status = gd__purse_take(raster->purse, (total + 1) * sizeof *raster->faces);
+    raster->faces = status ? NULL : malloc((total + 1) * sizeof *raster->faces);
+    if (!raster->faces) return status ? status : GD_NO_MEMORY;
+    for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
+    for (uint32_t f = mesh->face_count; f-- > 0;) {
+        struct span span = span_of(raster, f, is_closed);
+        for (uint32_t b = span.from; b < span.to; b++) raster->faces[--next[b]] = f;
+    }
+    return GD_OK;
+}
+
+/* --- life ------------------------------------------------------------------------------------------------------------------ */
+
+enum gd_status gd__raster_open(struct gd__raster *raster)
+{
+    if (raster->rows > raster->height) raster->rows = raster->height;
+    size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
+    raster->bands = (raster->height + raster->rows - 1) / raster->rows;
+    enum gd_status status = gd__purse_take(raster->purse, samples * (sizeof *raster->depth + sizeof *raster->face) +
+                                                              (raster->bands + 1) * sizeof *raster->first);
+    if (status) return status;
+    raster->first = malloc((raster->bands + 1) * sizeof *raster->first);
+    raster->depth = gd__large_array(samples, sizeof *raster->depth);
+    raster->face = gd__large_array(samples, sizeof *raster->face);
+    return raster->first && raster->depth && raster->face ? list_faces(raster) : GD_NO_MEMORY;
+}
+
+void gd__raster_close(struct gd__raster *raster)
+{
+    free(raster->first);
+    free(raster->faces);
+    free(raster->depth);
+    free(raster->face);
+}

@@ -1,0 +1,276 @@
+#include "render/shade.h"
+
+#include <stdlib.h>
+
+#include "base/large.h"
+#include "mesh/canonical.h"
+
+/* A *fragment* is the part of a pixel in which one face is seen: as many of its samples as show the face. It is coloured as a whole, by what is true in the middle
+ * of these samples. Fragments are coloured by the thousand, since a field tells many distances faster than one by one. */
+
+enum { BATCH = 1 << 14, SAMPLES = 16 };
+
+struct gd__fragment {
+    uint32_t pixel; /* of the band */
+    uint32_t face;
+    float part;      /* of the pixel */
+    float weight[3]; /* of its middle, by the face's corners */
+};
+
+/* --- life ------------------------------------------------------------------------------------------------------------------ */
+
+static size_t band_pixels(const struct gd__shade *shade)
+{
+    return (size_t)shade->raster->width * shade->raster->rows;
+}
+
+static enum gd_status make_normals(struct gd__shade *shade)
+{
+    const struct gd_mesh *mesh = shade->raster->mesh;
+    struct gd__normal *flat = malloc(mesh->face_count * sizeof *flat);
+    shade->corners = gd__large_array(mesh->face_count, sizeof *shade->corners);
+    bool ok = flat && shade->corners;
+    if (ok) gd__normals_make(mesh, flat, shade->corners);
+    free(flat);
+    return ok ? GD_OK : GD_NO_MEMORY;
+}
+
+enum gd_status gd__shade_open(struct gd__shade *shade)
+{
+    size_t batch = BATCH * (sizeof *shade->fragments + sizeof *shade->points + sizeof *shade->distances),
+           normals = (size_t)shade->raster->mesh->face_count * (sizeof *shade->corners + sizeof(struct gd__normal));
+    shade->corners = NULL;
+    shade->fragments = NULL;
+    shade->points = NULL;
+    shade->distances = NULL;
+    shade->sum = NULL;
+    shade->fragment_count = 0;
+    for (int i = 0; i <= GD__SHADE_COLOURS; i++) shade->colours[i] = gd__colour_of_part((double)i / GD__SHADE_COLOURS);
+    enum gd_status status =
+        gd__purse_take(shade->raster->purse, batch + normals + band_pixels(shade) * sizeof *shade->sum);
+    if (status) return status;
+    shade->fragments = malloc(BATCH * sizeof *shade->fragments);
+    shade->points = malloc(BATCH * sizeof *shade->points);
+    shade->distances = malloc(BATCH * sizeof *shade->distances);
+    shade->sum = malloc(band_pixels(shade) * sizeof *shade->sum);
+    if (!shade->fragments || !shade->points || !shade->distances || !shade->sum) return GD_NO_MEMORY;
+    return make_normals(shade);
+}
+
+void gd__shade_close(struct gd__shade *shade)
+{
+    free(shade->corners);
+    free(shade->fragments);
+    free(shade->points);
+    free(shade->distances);
+    free(shade->sum);
+}
+
+/* --- the colour of a fragment ------------------------------------------------------------------------------------------------ */
+
+static struct gd_vec3 normal_at(const struct gd__shade *shade, const struct gd__fragment *fragment)
+{
+    const struct gd__normal *corner = shade->corners[fragment->face];
+    struct gd_vec3 sum = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        sum = gd_vec3_along(sum, fragment->weight[k], (struct gd_vec3){corner[k].x, corner[k].y, corner[k].z});
+    double length = gd_vec3_length(sum);
+    return length > 0 ? gd_vec3_scale(sum, 1 / length) : shade->camera->towards;
+}
+
+/* A lamp above the onlooker's left shoulder, one beside the eye, and light from everywhere. */
+static double light_on(const struct gd__camera *camera, struct gd_vec3 normal)
+{
+    static const double everywhere = 0.36, lamp = 0.42, eye = 0.26, along[3] = {-0.48, 0.60, 0.64};
+    double right = gd_vec3_dot(normal, camera->right), up = gd_vec3_dot(normal, camera->up),
+           towards = gd_vec3_dot(normal, camera->towards);
+    return everywhere + lamp * fmax(0, along[0] * right + along[1] * up + along[2] * towards) + eye * fmax(0, towards);
+}
+
+/* How much of an edge's line covers the fragment: the line is a pixel wide, and fades as triangles become small. */
+static double edge_cover(const struct gd__shade *shade, const struct gd__fragment *fragment)
+{
+    uint32_t v[3];
+    gd__corners(shade->raster->mesh, fragment->face, v);
+    const struct gd__spot *spots = shade->raster->spots;
+    double nearest = INFINITY, lowest = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const struct gd__spot *a = &spots[v[k]], *b = &spots[v[(k + 1) % 3]], *c = &spots[v[(k + 2) % 3]];
+        double x = (double)b->x - a->x, y = (double)b->y - a->y, length = hypot(x, y);
+        double height = length > 0 ? fabs(x * ((double)c->y - a->y) - y * ((double)c->x - a->x)) / length : 0;
+        nearest = fmin(nearest, height * fragment->weight[(k + 2) % 3]);
+        lowest = fmin(lowest, height);
+    }
+    return fmin(fmax(1 - nearest, 0), 1) * fmin(fmax((lowest - 1) / 6, 0), 1) * 0.45;
+}
+
+static struct gd__colour mix(struct gd__colour a, struct gd__colour b, double part)
+{
+    float p = (float)part;
+    return (struct gd__colour){a.red + p * (b.red - a.red), a.green + p * (b.green - a.green),
+                               a.blue + p * (b.blue - a.blue)};
+}
+
+static struct gd__colour colour_of(const struct gd__shade *shade, const struct gd__fragment *fragment, double distance)
+{
+    struct gd_vec3 normal = normal_at(shade, fragment);
+    bool is_inside = gd_vec3_dot(normal, shade->camera->towards) < 0;
+    double light = light_on(shade->camera, is_inside ? gd_vec3_scale(normal, -1) : normal);
+    struct gd__colour colour = is_inside ? shade->palette->inside : shade->palette->surface;
+    if (isfinite(distance)) {
+        double part = distance / shade->range;
+        colour = shade->colours[part < 1 ? (uint32_t)(part * GD__SHADE_COLOURS + 0.5) : GD__SHADE_COLOURS];
+        light = 0.38 + 0.62 * light; /* colours are to be told from each other, so there is less shade */
+    }
+    colour = mix((struct gd__colour){0, 0, 0}, colour, light);
+    return shade->edges ? mix(colour, shade->palette->line, edge_cover(shade, fragment)) : colour;
+}
+
+/* --- fragments ------------------------------------------------------------------------------------------------------------- */
+
+/* Colours those that wait. */
+static enum gd_status flush(struct gd__shade *shade, const struct gd_control *control)
+{
+    enum gd_status status = GD_OK;
+    uint32_t count = shade->fragment_count;
+    shade->fragment_count = 0;
+    if (shade->field) status = gd_field_distances(shade->field, shade->points, count, control, shade->distances);
+    for (uint32_t i = 0; i < count && !status; i++) {
+        const struct gd__fragment *fragment = &shade->fragments[i];
+        struct gd__colour colour = colour_of(shade, fragment, shade->field ? shade->distances[i] : NAN);
+        float *sum = shade->sum[fragment->pixel], part = fragment->part;
+        sum[0] += part * colour.red;
+        sum[1] += part * colour.green;
+        sum[2] += part * colour.blue;
+        sum[3] += part;
+    }
+    return status;
+}
+
+static double into_unit(double x)
+{
+    return x < 0 ? 0 : x < 1 ? x : 1;
+}
+
+/* Barycentric coordinates of a place in the picture, moved into the face if rounding has put it outside. */
+static void weigh(const struct gd__raster *raster, uint32_t face, double x, double y, float weight[3])
+{
+    uint32_t v[3];
+    gd__corners(raster->mesh, face, v);
+    const struct gd__spot *a = &raster->spots[v[0]], *b = &raster->spots[v[1]], *c = &raster->spots[v[2]];
+    double bx = (double)b->x - a->x, by = (double)b->y - a->y, cx = (double)c->x - a->x, cy = (double)c->y - a->y,
+           area = bx * cy - cx * by;
+    x -= a->x;
+    y -= a->y;
+    double second = into_unit((x * cy - cx * y) / area), third = into_unit((bx * y - x * by) / area),
+           first = into_unit(1 - second - third), sum = first + second + third;
+    weight[0] = (float)(first / sum);
+    weight[1] = (float)(second / sum);
+    weight[2] = (float)(third / sum);
+}
+
+static void add_fragment(struct gd__shade *shade, uint32_t pixel, uint32_t face, double x, double y, float part)
+{
+    uint32_t i = shade->fragment_count++;
+    struct gd__fragment *fragment = &shade->fragments[i];
+    *fragment = (struct gd__fragment){.pixel = pixel, .face = face, .part = part};
+    weigh(shade->raster, face, x, y, fragment->weight);
+    if (!shade->field) return;
+    double second = fragment->weight[1], third = fragment->weight[2];
+    shade->points[i] =
+        gd__point_of_face(shade->raster->mesh, face, (const double[3]){into_unit(1 - second - third), second, third});
+}
+
+/* What a pixel's samples show: faces, and of each the sum of its samples' places in the pixel. */
+struct tally {
+    uint32_t count, face[SAMPLES], samples[SAMPLES];
+    double x[SAMPLES], y[SAMPLES];
+};
+
+static void count_sample(struct tally *tally, uint32_t face, double x, double y)
+{
+    uint32_t i = tally->count;
+    while (i > 0 && tally->face[i - 1] != face) i--;
+    if (i == 0) {
+        i = ++tally->count;
+        tally->face[i - 1] = face;
+        tally->samples[i - 1] = 0;
+        tally->x[i - 1] = tally->y[i - 1] = 0;
+    }
+    tally->samples[i - 1]++;
+    tally->x[i - 1] += x;
+    tally->y[i - 1] += y;
+}
+
+static void tally_pixel(const struct gd__raster *raster, uint32_t row, uint32_t column, struct tally *tally)
+{
+    uint32_t grid = raster->grid;
+    tally->count = 0;
+    for (uint32_t j = 0; j < grid; j++) {
+        const uint32_t *face = raster->face + ((size_t)row * grid + j) * raster->width * grid + (size_t)column * grid;
+        double shift = gd__raster_shift(grid, j);
+        for (uint32_t i = 0; i < grid; i++)
+            if (face[i] != GD_NONE) count_sample(tally, face[i], (i + 0.5 + shift) / grid, (j + 0.5) / grid);
+    }
+}
+
+/* One face fills most pixels. */
+static bool is_filled(const struct gd__raster *raster, uint32_t row, uint32_t column)
+{
+    uint32_t grid = raster->grid, differ = 0;
+    const uint32_t *face = raster->face + (size_t)row * grid * raster->width * grid + (size_t)column * grid;
+    for (uint32_t j = 0; j < grid; j++)
+        for (uint32_t i = 0; i < grid; i++) differ |= face[(size_t)j * raster->width * grid + i] ^ face[0];
+    return differ == 0 && face[0] != GD_NONE;
+}
+
+static void add_fragments(struct gd__shade *shade, uint32_t top, uint32_t row, uint32_t column)
+{
+    const struct gd__raster *raster = shade->raster;
+    struct tally tally;
+    if (is_filled(raster, row, column)) {
+        uint32_t face = raster->face[((size_t)row * raster->width * raster->grid + column) * raster->grid];
+        add_fragment(shade, row * raster->width + column, face, column + 0.5, top + row + 0.5, 1);
+        return;
+    }
+    tally_pixel(raster, row, column, &tally);
+    for (uint32_t i = 0; i < tally.count; i++)
+        add_fragment(shade, row * raster->width + column, tally.face[i], column + tally.x[i] / tally.samples[i],
+                     top + row + tally.y[i] / tally.samples[i],
+                     (float)tally.samples[i] / (float)(raster->grid * raster->grid));
+}
+
+/* --- the band -------------------------------------------------------------------------------------------------------------- */
+
+static uint8_t byte_of(float part)
+{
+    return part <= 0 ? 0 : part >= 1 ? 255 : (uint8_t)(255 * part + 0.5F);
+}
+
+static void write_pixel(const struct gd__palette *palette, const float sum[4], uint8_t out[4])
+{
+    float cover = fminf(sum[3], 1), rest = 1 - cover;
+    const float ground[3] = {palette->background.red, palette->background.green, palette->background.blue};
+    for (int k = 0; k < 3; k++)
+        out[k] = palette->is_transparent ? byte_of(cover > 0 ? sum[k] / cover : 0) : byte_of(sum[k] + rest * ground[k]);
+    out[3] = palette->is_transparent ? byte_of(cover) : 255;
+}
+
+enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band, const struct gd_control *control,
+                              struct gd__image *image)
+{
+    const struct gd__raster *raster = shade->raster;
+    uint32_t width = raster->width, top = band * raster->rows,
+             rows = raster->height - top < raster->rows ? raster->height - top : raster->rows;
+    enum gd_status status = GD_OK;
+    for (size_t i = 0; i < (size_t)rows * width; i++)
+        for (int k = 0; k < 4; k++) shade->sum[i][k] = 0;
+    for (uint32_t i = 0; i < rows * width && !status; i++) {
+        if (shade->fragment_count > BATCH - SAMPLES) status = flush(shade, control);
+        if (!status) add_fragments(shade, top, i / width, i % width);
+    }
+    if (!status) status = flush(shade, control);
+    for (uint32_t i = 0; i < rows * width && !status; i++)
+        write_pixel(shade->palette, shade->sum[i], image->pixel[(size_t)top * width + i]);
+    return status;
+}

@@ -1,0 +1,104 @@
+#include "render/view.h"
+
+#include <stdlib.h>
+
+#define ENOUGH 0.95 /* of the path */
+#define BETTER 0.05 /* by which another view has to show more than one that is tried before it */
+
+#define END_PART 0.1 /* of what counts: that an end is seen */
+
+static const struct gd__window_of_picture sketch = {4, 4, 232, 172}; /* of 240 x 180 */
+
+struct angles {
+    double azimuth, elevation; /* degrees */
+};
+
+/* After the iso view: what differs least from it first. */
+static const struct angles angles[] = {{-30, 26},  {75, 26},  {-75, 26}, {30, 55},   {120, 26},
+                                       {-120, 26}, {0, 75},   {165, 26}, {-165, 26}, {30, -26},
+                                       {-30, -26}, {120, 55}, {-90, 55}, {120, -26}, {-120, -26}};
+
+struct chooser {
+    const struct gd_mesh *mesh;
+    struct gd_vec3 up;
+    const struct gd_vec3 *path;
+    uint32_t count;
+    struct gd__purse *purse;
+    struct gd__spot *spots, *line;
+};
+
+static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
+                                  struct gd__raster *raster, double *seen)
+{
+    enum gd_status status = gd__raster_open(raster);
+    if (!status) status = gd__raster_fill(raster, 0, control);
+    if (status) return status;
+    const struct gd__cover cover = {.mesh = chooser->mesh,
+                                    .spots = chooser->spots,
+                                    .width = raster->width,
+                                    .height = raster->height,
+                                    .depth = raster->depth,
+                                    .face = raster->face};
+    *seen = (1 - 2 * END_PART) * gd__cover_visibility(&cover, chooser->line, chooser->count) +
+            END_PART * gd__cover_visibility(&cover, chooser->line, 1) +
+            END_PART * gd__cover_visibility(&cover, chooser->line + chooser->count - 1, 1);
+    return GD_OK;
+}
+
+/* What part of the path is seen from that direction. */
+static enum gd_status try_view(const struct chooser *chooser, struct gd_vec3 direction,
+                               const struct gd_control *control, double *seen)
+{
+    const struct gd_mesh *mesh = chooser->mesh;
+    struct gd__camera camera = gd__camera_aim(mesh, direction, chooser->up);
+    struct gd__purse purse = *chooser->purse; /* what a sketch takes it gives back */
+    gd__camera_fit(&camera, mesh, &sketch);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        chooser->spots[v] = gd__camera_project(&camera, mesh->position[v]);
+    for (uint32_t i = 0; i < chooser->count; i++) chooser->line[i] = gd__camera_project(&camera, chooser->path[i]);
+    struct gd__raster raster = {.mesh = mesh,
+                                .spots = chooser->spots,
+                                .width = (uint32_t)(sketch.width + 2 * sketch.left),
+                                .height = (uint32_t)(sketch.height + 2 * sketch.top),
+                                .grid = 1,
+                                .rows = UINT32_MAX,
+                                .purse = &purse};
+    enum gd_status status = sketch_view(chooser, control, &raster, seen);
+    gd__raster_close(&raster);
+    return status;
+}
+
+static enum gd_status choose(const struct chooser *chooser, const struct gd_control *control, struct gd_vec3 *out)
+{
+    struct gd_vec3 direction = gd__view_direction(GD_VIEW_ISO, chooser->up);
+    double seen, most = -1;
+    *out = direction;
+    for (uint32_t i = 0; i <= sizeof angles / sizeof *angles && most < ENOUGH; i++) {
+        if (i > 0)
+            direction =
+                gd__view_from(angles[i - 1].azimuth * M_PI / 180, angles[i - 1].elevation * M_PI / 180, chooser->up);
+        enum gd_status status = try_view(chooser, direction, control, &seen);
+        if (status) return status;
+        if (seen <= most + BETTER) continue;
+        most = seen;
+        *out = direction;
+    }
+    return GD_OK;
+}
+
+enum gd_status gd__view_choose(const struct gd_mesh *mesh, struct gd_vec3 up, const struct gd_vec3 *path,
+                               uint32_t count, struct gd__purse *purse, const struct gd_control *control,
+                               struct gd_vec3 *out)
+{
+    struct chooser chooser = {.mesh = mesh, .up = up, .path = path, .count = count, .purse = purse};
+    struct gd_vec3 direction;
+    enum gd_status status = gd__purse_take(purse, ((size_t)mesh->vertex_count + count) * sizeof(struct gd__spot));
+    if (status) return status;
+    chooser.spots = malloc(mesh->vertex_count * sizeof *chooser.spots);
+    chooser.line = malloc(count * sizeof *chooser.line);
+    status = chooser.spots && chooser.line ? choose(&chooser, control, &direction) : GD_NO_MEMORY;
+    free(chooser.spots);
+    free(chooser.line);
+    if (!status) *out = direction;
+    return status;
+}
