@@ -37,6 +37,7 @@
     X(500, INTERNAL, internal, "Internal error")                                                                       \
     X(503, OVERLOADED, overloaded, "Overloaded")                                                                       \
     X(503, DRAINING, draining, "Draining")                                                                             \
+    X(503, STORE_UNAVAILABLE, store_unavailable, "Store unavailable")                                                  \
     X(504, DEADLINE_EXCEEDED, deadline_exceeded, "Deadline exceeded")                                                  \
     X(507, INSUFFICIENT_MEMORY, insufficient_memory, "Insufficient memory")                                            \
     X(507, INSUFFICIENT_STORAGE, insufficient_storage, "Insufficient storage")

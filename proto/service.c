@@ -59,7 +59,8 @@ void proto_health_encode(struct proto_writer *writer, enum proto_health health, 
     static const char *const words[] = {[PROTO_HEALTH_OK] = "ok",
                                         [PROTO_HEALTH_STARTING] = "starting",
                                         [PROTO_HEALTH_DRAINING] = "draining",
-                                        [PROTO_HEALTH_READ_ONLY] = "read_only"};
+                                        [PROTO_HEALTH_READ_ONLY] = "read_only",
+                                        [PROTO_HEALTH_DEGRADED] = "degraded"};
     proto_write_object_begin(writer);
     proto_write_key(writer, "status");
     proto_write_string(writer, words[health]);

@@ -20,9 +20,15 @@ struct proto_service {
 /* Writes {"version", "limits", "capabilities"}. */
 void proto_service_encode(struct proto_writer *writer, const struct proto_service *service);
 
-enum proto_health { PROTO_HEALTH_OK, PROTO_HEALTH_STARTING, PROTO_HEALTH_DRAINING, PROTO_HEALTH_READ_ONLY };
+enum proto_health {
+    PROTO_HEALTH_OK,
+    PROTO_HEALTH_STARTING,
+    PROTO_HEALTH_DRAINING,
+    PROTO_HEALTH_READ_ONLY,
+    PROTO_HEALTH_DEGRADED
+};
 
-/* Writes {"status": "ok"|"starting"|"draining"|"read_only", "reason"}; without a reason when that is NULL. */
+/* Writes {"status": "ok"|"starting"|"draining"|"read_only"|"degraded", "reason"}; without a reason when that is NULL. */
 void proto_health_encode(struct proto_writer *writer, enum proto_health health, const char *reason);
 
 #endif

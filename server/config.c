@@ -20,7 +20,6 @@ static const char *const levels[] = {
 #undef LEVEL_NAME
         NULL};
 const char *const server_config_cpus[] = {"auto", "baseline", "avx2", "avx512", NULL};
-static const char *const stores[] = {[SERVER_STORE_KIND_LOCAL] = "local", [SERVER_STORE_KIND_MEMORY] = "memory", NULL};
 static const char *const sandboxes[] = {[SERVER_SANDBOX_AUTO] = "auto", [SERVER_SANDBOX_OFF] = "off", NULL};
 
 #define MEMBER(member) offsetof(struct server_config, member)
@@ -78,15 +77,18 @@ static const struct server_setting options[] = {
     {"landmarks", "N",
      "landmark fields that a mesh gets in idle time once it is searched, to make later searches shorter; 0: none",
      KIND_COUNT, MEMBER(landmarks), 0, 16, "16", NULL},
-    {"store", "KIND", "where meshes are kept: local (in --data-dir) or memory (until the daemon ends)", KIND_CHOICE,
-     MEMBER(store), 0, 0, "local", stores},
+    {"store", "KIND",
+     "where meshes are kept: local (in --data-dir), memory (until the daemon ends), or a database that many daemons "
+     "share, postgresql://user@host/database; its password is better in PGPASSFILE or the environment than here",
+     KIND_STORE, 0, 0, 0, "local", NULL},
     {"data-dir", "DIR",
      "folder of the local store (default: /var/lib/geodesicd for root, else $XDG_DATA_HOME/geodesicd or "
-     "~/.local/share/geodesicd)",
+     "~/.local/share/geodesicd); beside a database, where landmarks and fields are kept, if anywhere",
      KIND_PATH, MEMBER(data_dir), 0, 0, NULL, NULL},
     {"persist-fields", NULL, "keep cached fields in the data folder over a restart", KIND_BOOLEAN,
      MEMBER(persist_fields), 0, 0, NULL, NULL},
-    {"check-store", NULL, "check every file of the data folder, print what is found, and exit", KIND_BOOLEAN,
+    {"check-store", NULL,
+     "check every file of the data folder, or every row of the database, print what is found, and exit", KIND_BOOLEAN,
      MEMBER(check_store), 0, 0, NULL, NULL},
     {"backup", "DIR", "copy the data folder, in use or not, into a new one, and exit", KIND_PATH, MEMBER(backup), 0, 0,
      NULL, NULL},
@@ -309,11 +311,22 @@ static bool find_data_dir(struct server_setting_loader *loader)
                                   "there is no home folder to keep meshes in: name a folder, or use --store memory");
 }
 
+static bool validate_shared_store(struct server_setting_loader *loader)
+{
+    const struct server_config *config = loader->config;
+    if (*config->backup || *config->restore)
+        return server_config_complain(loader, "a database is copied by its own means (pg_dump): leave out --backup and "
+                                              "--restore");
+    return !config->persist_fields || *config->data_dir ||
+           server_config_complain(loader, "--persist-fields wants a folder beside the database: give --data-dir");
+}
+
 static bool validate_store(struct server_setting_loader *loader)
 {
     const struct server_config *config = loader->config;
     if (config->store == SERVER_STORE_KIND_LOCAL) return true;
-    snprintf(loader->origin, sizeof loader->origin, "--store memory");
+    snprintf(loader->origin, sizeof loader->origin, "--store");
+    if (config->store == SERVER_STORE_KIND_POSTGRES) return validate_shared_store(loader);
     return (!config->persist_fields && !config->check_store && !*config->backup && !*config->restore) ||
            server_config_complain(
                loader,

@@ -20,7 +20,7 @@
 /* What --cpu may name, NULL-terminated: see gd/cpu.h. */
 extern const char *const server_config_cpus[];
 
-enum server_store_kind { SERVER_STORE_KIND_LOCAL, SERVER_STORE_KIND_MEMORY };
+enum server_store_kind { SERVER_STORE_KIND_LOCAL, SERVER_STORE_KIND_MEMORY, SERVER_STORE_KIND_POSTGRES };
 
 struct server_config_list {
     char name[SERVER_CONFIG_NAMES][SERVER_CONFIG_NAME];
@@ -50,6 +50,7 @@ struct server_config {
     uint64_t max_jobs;       /* most jobs, ended ones included */
     enum server_log_level log_level;
     enum server_store_kind store;
+    char store_url[SERVER_CONFIG_PATH]; /* of a PostgreSQL store; may hold a password: never printed */
     char data_dir[SERVER_CONFIG_PATH];
     bool persist_fields;
     bool check_store;                 /* check the store and end */

@@ -136,6 +136,24 @@ static bool set_path(const struct server_setting_loader *loader, const char *val
     return true;
 }
 
+/* What is no word is an address, and may hold a password: it is not repeated. */
+static bool set_store(const struct server_setting_loader *loader, const char *value)
+{
+    struct server_config *config = loader->config;
+    bool is_url = strncmp(value, "postgresql://", 13) == 0 || strncmp(value, "postgres://", 11) == 0;
+    if (strlen(value) >= sizeof config->store_url) return server_config_complain(loader, "the address is too long");
+    if (strcmp(value, "local") == 0)
+        config->store = SERVER_STORE_KIND_LOCAL;
+    else if (strcmp(value, "memory") == 0)
+        config->store = SERVER_STORE_KIND_MEMORY;
+    else if (is_url)
+        config->store = SERVER_STORE_KIND_POSTGRES;
+    else
+        return server_config_complain(loader, "write local, memory, or an address postgresql://user@host/database");
+    strcpy(config->store_url, is_url ? value : "");
+    return true;
+}
+
 static bool set_boolean(const struct server_setting_loader *loader, const char *value, bool *member)
 {
     *member = strcmp(value, "true") == 0;
@@ -159,6 +177,8 @@ bool server_config_set(const struct server_setting_loader *loader, const struct 
         return set_choice(loader, option, value, member);
     case KIND_PATH:
         return set_path(loader, value, member);
+    case KIND_STORE:
+        return set_store(loader, value);
     case KIND_BOOLEAN:
         return set_boolean(loader, value, member);
     case KIND_FILE:

@@ -19,6 +19,7 @@ enum server_setting_kind {
     KIND_ORIGIN,
     KIND_CHOICE,
     KIND_PATH,
+    KIND_STORE,
     KIND_BOOLEAN,
     KIND_FILE,
     KIND_SWITCH

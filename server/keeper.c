@@ -47,7 +47,9 @@ static void warm_up(struct server *server)
 static void keep(void *user, struct server_thread *thread)
 {
     const struct server_keeper *keeper = user;
-    warm_up(keeper->server);
+    if (!server_registry_is_shared(keeper->server->registry))
+        warm_up(
+            keeper->server); /* of many daemons each has meshes of its own to answer for: it will be asked for them */
     while (server_thread_pause(thread, NOTE_NS)) server_registry_note_uses(keeper->server->registry);
 }
 

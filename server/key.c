@@ -45,6 +45,19 @@ bool server_key_check(const char *text, size_t size)
            is_part(text, size, PROTO_MESH_NAME);
 }
 
+bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out)
+{
+    if (!server_key_check(text, strlen(text))) return false;
+    char *tenant_end = strchr(text, '@'), *kind_end = strchr(text, '+');
+    if (tenant_end) *tenant_end = '\0';
+    if (kind_end) *kind_end = '\0';
+    const char *word = kind_end ? (tenant_end ? tenant_end + 1 : text) : server_kind_mesh.word;
+    out->tenant = tenant_end ? text : "";
+    out->kind = server_kind_by_word(word);
+    out->name = kind_end ? kind_end + 1 : tenant_end ? tenant_end + 1 : text;
+    return out->kind != NULL;
+}
+
 bool server_tenant_check(const char *tenant)
 {
     return is_part(tenant, strlen(tenant), SERVER_TENANT);

@@ -37,6 +37,10 @@ void server_key_write(const struct server_key *key, char text[SERVER_KEY_TEXT]);
 /* Could `size` bytes be the text of a key, of whatever kind? */
 bool server_key_check(const char *text, size_t size);
 
+/* Reads a text that server_key_write wrote; the strings of `*out` are in `text`, which is cut into them. False: it is none, or
+ * its kind is not known. */
+bool server_key_read(char text[SERVER_KEY_TEXT], struct server_key *out);
+
 /* Can this be a tenant: 1 to SERVER_TENANT characters that names may have? */
 bool server_tenant_check(const char *tenant);
 

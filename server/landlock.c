@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "server/config.h"
+#include "server/postgres_address.h"
 #include "server/store_files.h"
 
 /* Numbers of the system calls: the same on all machines. */
@@ -107,9 +108,9 @@ static bool allow_reading(const struct rules *rules, const char *file)
     return is_allowed;
 }
 
-static bool allow_port(const struct rules *rules, uint16_t port)
+static bool allow_port(const struct rules *rules, uint16_t port, uint64_t right)
 {
-    const struct port_rule rule = {.allowed = BIND_TCP, .port = port};
+    const struct port_rule rule = {.allowed = right, .port = port};
     return !rules->ruleset.ports || syscall(ADD_RULE, rules->descriptor, RULE_PORT, &rule, 0) == 0;
 }
 
@@ -120,15 +121,46 @@ static bool allow_listening(const struct rules *rules, const struct server_addre
     case AF_UNIX:
         return allow_folder_of(rules, ((const struct sockaddr_un *)socket)->sun_path, MAKE_SOCKET | REMOVE_FILE);
     case AF_INET:
-        return allow_port(rules, ntohs(((const struct sockaddr_in *)socket)->sin_port));
+        return allow_port(rules, ntohs(((const struct sockaddr_in *)socket)->sin_port), BIND_TCP);
     default:
-        return allow_port(rules, ntohs(((const struct sockaddr_in6 *)socket)->sin6_port));
+        return allow_port(rules, ntohs(((const struct sockaddr_in6 *)socket)->sin6_port), BIND_TCP);
     }
 }
 
 static bool allow_store(const struct rules *rules, const struct server_config *config)
 {
-    return config->store == SERVER_STORE_KIND_MEMORY || allow_folder(rules, config->data_dir, STORING);
+    return !*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY ||
+           allow_folder(rules, config->data_dir, STORING);
+}
+
+/* --- a database --------------------------------------------------------------------------------------------------- */
+
+/* What is not there need not be read. */
+static void allow_file(void *user, const char *file)
+{
+    const struct rules *rules = user;
+    int descriptor = open(file, O_PATH | O_CLOEXEC);
+    if (descriptor < 0) return;
+    const struct path_rule rule = {.allowed = READ_FILE & rules->ruleset.files, .folder = descriptor};
+    (void)syscall(ADD_RULE, rules->descriptor, RULE_PATH, &rule, 0);
+    close(descriptor);
+}
+
+static bool allow_connecting(void *user, uint16_t port)
+{
+    return allow_port(user, port, CONNECT_TCP);
+}
+
+/* Connecting, also in an hour: its ports, libpq's files, and what names of hosts and users are looked up in. */
+static bool allow_database(struct rules *rules, const struct server_config *config)
+{
+    static const char *const lookups[] = {"/etc/hosts",     "/etc/resolv.conf",    "/etc/nsswitch.conf",
+                                          "/etc/host.conf", "/etc/gai.conf",       "/etc/services",
+                                          "/etc/passwd",    "/etc/ssl/openssl.cnf"};
+    if (config->store != SERVER_STORE_KIND_POSTGRES) return true;
+    for (size_t i = 0; i < sizeof lookups / sizeof *lookups; i++) allow_file(rules, lookups[i]);
+    return server_postgres_each_port(config->store_url, allow_connecting, rules) &&
+           server_postgres_each_file(config->store_url, allow_file, rules);
 }
 
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
@@ -139,17 +171,19 @@ static bool make_data_folder(const struct server_config *config)
 {
     struct server_store_files files;
     char error[512];
-    if (config->store == SERVER_STORE_KIND_MEMORY) return true;
+    if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        return server_disk_make_folder(config->data_dir) == SERVER_DISK_DONE;
     if (!server_files_open(&files, config->data_dir, error, sizeof error)) return false;
     server_files_close(&files);
     return true;
 }
 
-static const char *restrict_self(const struct rules *rules, const struct server_config *config)
+static const char *restrict_self(struct rules *rules, const struct server_config *config)
 {
-    bool is_allowed = allow_store(rules, config) && allow_reading(rules, config->keys) &&
-                      allow_reading(rules, config->tls_cert) && allow_reading(rules, config->tls_key) &&
-                      allow_listening(rules, &config->listen);
+    bool is_allowed = allow_store(rules, config) && allow_database(rules, config) &&
+                      allow_reading(rules, config->keys) && allow_reading(rules, config->tls_cert) &&
+                      allow_reading(rules, config->tls_key) && allow_listening(rules, &config->listen);
     if (!is_allowed) return "a file or folder that the daemon needs is not there";
     return syscall(RESTRICT_SELF, rules->descriptor, 0) == 0 ? NULL : strerror(errno);
 }

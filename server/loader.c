@@ -12,7 +12,7 @@ static bool on_progress(void *user, double fraction)
 {
     struct server *server = user;
     (void)fraction;
-    return !server_workers_cancelled(server->workers);
+    return server_workers_go_on(server->workers);
 }
 
 /* A fault of the stored data, which is the operator's to mend, is logged, and told in general terms. */
@@ -63,6 +63,13 @@ static enum server_loader_outcome fetch(struct loading *loading, enum server_par
     case SERVER_STORE_NO_MEMORY:
         server_build_refuse(&loading->builder, record, GD_BUDGET, NULL, problem);
         return SERVER_LOADER_NO_MEMORY;
+    case SERVER_STORE_UNAVAILABLE:
+        (void)proto_problem_set(
+            problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+            "the %s is not in memory, and the database that has it does not answer; try again in a moment",
+            record->kind->noun);
+        problem->retry_after = 1;
+        return SERVER_LOADER_UNAVAILABLE;
     case SERVER_STORE_DAMAGED:
         return complain(record, "it is damaged: its SHA-256 is another one", problem);
     default:

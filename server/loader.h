@@ -7,10 +7,11 @@
 
 enum server_loader_outcome {
     SERVER_LOADER_LOADED,
-    SERVER_LOADER_GONE,      /* the key was replaced or removed meanwhile: look again; there is no problem */
-    SERVER_LOADER_DAMAGED,   /* its bytes are missing, or not what was stored, or make no surface any more */
-    SERVER_LOADER_NO_MEMORY, /* over the budget */
-    SERVER_LOADER_ENDED      /* by its deadline or the daemon's drain */
+    SERVER_LOADER_GONE,        /* the key was replaced or removed meanwhile: look again; there is no problem */
+    SERVER_LOADER_DAMAGED,     /* its bytes are missing, or not what was stored, or make no surface any more */
+    SERVER_LOADER_UNAVAILABLE, /* the store is out of reach */
+    SERVER_LOADER_NO_MEMORY,   /* over the budget */
+    SERVER_LOADER_ENDED        /* by its deadline or the daemon's drain */
 };
 
 /* Fetches, verifies, builds, and gives the surface to the registry; the caller has a reference of its own. On failure

@@ -60,6 +60,12 @@ static void warn_of_clear_keys(const struct server_config *config)
         "keys come unencrypted: give --tls-cert and --tls-key, or listen behind a proxy that speaks TLS");
 }
 
+static bool check_store(const struct server_config *config)
+{
+    if (config->store == SERVER_STORE_KIND_POSTGRES) return server_store_check_postgres(config->store_url, stdout);
+    return server_store_check(config->data_dir, stdout);
+}
+
 int main(int argc, char *argv[])
 {
     struct server_config config;
@@ -76,7 +82,7 @@ int main(int argc, char *argv[])
         break;
     }
     server_log_set_level(config.log_level);
-    if (config.check_store) return server_store_check(config.data_dir, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
+    if (config.check_store) return check_store(&config) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.backup)
         return server_store_backup(config.data_dir, config.backup, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.restore)

@@ -72,16 +72,12 @@ static void unload_any(void *user, size_t bytes)
 
 /* --- life --------------------------------------------------------------------------------------------------------- */
 
-static bool on_stored(void *user, struct server_record *record, const struct server_store_uses *uses)
+static bool on_stored(void *user, const struct server_stored *stored)
 {
     struct server_registry *registry = user;
-    struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(record) : NULL;
-    registry->is_incomplete |= !slot;
-    if (!slot) return false;
-    slot->uses = slot->noted = uses->count;
-    slot->last = uses->last;
-    registry->slots[registry->count++] = slot;
-    return true;
+    if (server_slots_append(registry, stored)) return true;
+    registry->is_incomplete = true;
+    return false;
 }
 
 struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget)
@@ -95,10 +91,11 @@ struct server_registry *server_registry_create(struct server_store *store, struc
     registry->budget = budget;
     registry->writer = server_workers_create(1, UINT32_MAX);
     pthread_mutex_init(&registry->writing, NULL);
+    pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
-    store->each(store, on_stored, registry);
+    registry->is_incomplete = store->each(store, on_stored, registry) != SERVER_STORE_DONE || registry->is_incomplete;
     server_slots_sort(registry);
-    if (registry->is_incomplete || !registry->writer) {
+    if (registry->is_incomplete || !registry->writer || !server_slots_start_follower(registry)) {
         server_registry_destroy(registry);
         return NULL;
     }
@@ -111,12 +108,14 @@ struct server_registry *server_registry_create(struct server_store *store, struc
 void server_registry_destroy(struct server_registry *registry)
 {
     if (!registry) return;
+    server_slots_stop_follower(registry);
     server_workers_destroy(registry->writer);
     registry->budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){0};
     registry->budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){0};
     for (uint32_t i = 0; i < registry->count; i++) server_slot_destroy(registry->slots[i]);
     registry->store->close(registry->store);
     pthread_rwlock_destroy(&registry->lock);
+    pthread_mutex_destroy(&registry->following);
     pthread_mutex_destroy(&registry->writing);
     free(registry->slots);
     free(registry);
@@ -158,6 +157,7 @@ bool server_registry_find(struct server_registry *registry, const struct server_
 bool server_registry_is_current(struct server_registry *registry, const struct server_record *record)
 {
     const struct server_key key = server_record_key(record);
+    (void)server_registry_follow(registry, gd_now_ns());
     pthread_rwlock_rdlock(&registry->lock);
     const struct server_slot *slot = server_slots_find(registry, &key);
     bool is_current = slot && slot->record == record;

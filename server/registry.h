@@ -7,6 +7,12 @@
  * that, so the registry has a thread of its own, its writer, which runs the jobs that put or remove. Order: writer
  * lock, then slots. Surfaces are retired and released after the slots' lock is given up, since that frees fields.
  *
+ * A store that other daemons share is followed by a thread, which brings what they change into the slots, under the follower's
+ * lock (order: writer, follower, slots): as soon as the database tells, and every 200 ms in any case. A request that
+ * comes when the last following is older than a second, or whose name is not known, has a worker follow first
+ * (server_registry_is_fresh), unless the store is out of reach: so, while it is in reach, nothing is answered from what was replaced or
+ * removed more than a second before. What this daemon changes itself comes into the slots when it is durable.
+ *
  * Under the memory budget, surfaces that nobody uses are unloaded, if the store can load them again: first those
  * without cached fields, the least recently used first; then fields go (cache.h); then any unused surface. */
 #ifndef SERVER_REGISTRY_H
@@ -41,7 +47,8 @@ void server_registry_watch(struct server_registry *registry,
 
 /* Puts a surface under its record's key, durably, together with the bytes of the file that it was made from (borrowed) and
  * its attachment: CREATED or REPLACED. If the key has this very record already, the surface is only kept in memory and its
- * bytes are made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY. */
+ * bytes are made sure of: REPLACED. Else PRECONDITION, NO_MEMORY, FULL, REFUSED, READ_ONLY,
+ * UNAVAILABLE. */
 enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
                                               const void *bytes, const struct server_precondition *precondition);
 
@@ -50,7 +57,7 @@ enum server_store_outcome server_registry_put(struct server_registry *registry, 
 enum server_store_outcome server_registry_confirm(struct server_registry *registry,
                                                   const struct server_surface *surface, const void *bytes);
 
-/* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY. */
+/* DONE, ABSENT, PRECONDITION, FULL, REFUSED, READ_ONLY, UNAVAILABLE. */
 enum server_store_outcome server_registry_remove(struct server_registry *registry, const struct server_key *key,
                                                  const struct server_precondition *precondition);
 
@@ -68,7 +75,18 @@ bool server_registry_holds(struct server_registry *registry, const char *etag);
 /* The surface of that key, its parts retained; false: there is none. */
 bool server_registry_find(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
 
-/* Is the record its key's still? Bytes go only after the registry has forgotten their record (store.h): when they are missed and this is true, asked
+/* True when what the registry says of the key (NULL: of all) can be told as it is: nobody else writes to the store, or it has been followed a
+ * moment ago and the key is known, or it is out of reach. */
+bool server_registry_is_fresh(struct server_registry *registry, const struct server_key *key);
+
+/* Learns what other daemons have changed before `since_ns`, if it has not been learnt already; not by threads that speak HTTP. DONE,
+ * also when nobody else writes; UNAVAILABLE, NO_MEMORY. */
+enum server_store_outcome server_registry_follow(struct server_registry *registry, uint64_t since_ns);
+
+/* Do other daemons write to the store, too? */
+bool server_registry_is_shared(const struct server_registry *registry);
+
+/* Is the record its key's still? A shared store is followed first. Bytes go only after the registry has forgotten their record (store.h): when they are missed and this is true, asked
  * afterwards, they are missing indeed. */
 bool server_registry_is_current(struct server_registry *registry, const struct server_record *record);
 

@@ -61,6 +61,17 @@ struct server_slot *server_slot_create(struct server_record *record)
     return slot;
 }
 
+bool server_slots_append(struct server_registry *registry, const struct server_stored *stored)
+{
+    struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(stored->record) : NULL;
+    if (!slot) return false;
+    slot->uses = slot->noted = stored->uses.count;
+    slot->last = stored->uses.last;
+    slot->version = stored->version;
+    registry->slots[registry->count++] = slot;
+    return true;
+}
+
 void server_slots_insert(struct server_registry *registry, struct server_slot *slot)
 {
     const struct server_key key = server_record_key(slot->record);
@@ -85,6 +96,11 @@ void server_slot_touch(struct server_registry *registry, struct server_slot *slo
                           memory_order_relaxed);
     atomic_fetch_add_explicit(&slot->uses, 1, memory_order_relaxed);
     atomic_store_explicit(&slot->last, time(NULL), memory_order_relaxed);
+}
+
+void server_slots_tell(struct server_registry *registry, const struct server_record *record)
+{
+    if (registry->gone && !server_registry_holds(registry, record->etag)) registry->gone(registry->gone_user, record);
 }
 
 void server_slot_retire(struct server_surface *surface)

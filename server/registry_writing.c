@@ -4,16 +4,13 @@
 
 #include "server/registry_slots.h"
 
+#define DECISIONS 8 /* when other daemons are always quicker */
+
 void server_registry_watch(struct server_registry *registry,
                            void (*gone)(void *user, const struct server_record *record), void *user)
 {
     registry->gone = gone;
     registry->gone_user = user;
-}
-
-static void tell(struct server_registry *registry, const struct server_record *record)
-{
-    if (registry->gone && !server_registry_holds(registry, record->etag)) registry->gone(registry->gone_user, record);
 }
 
 /* --- putting and removing ----------------------------------------------------------------------------------------- */
@@ -33,29 +30,27 @@ void server_registry_cancel(struct server_registry *registry)
     server_workers_cancel(registry->writer);
 }
 
-/* Under the writer lock: nobody else changes what a key is. */
-static struct server_slot *current(struct server_registry *registry, const struct server_key *key)
+/* Under the writer lock: what the key has, retained; false: nothing. Another daemon may change it at any time, this one can't. */
+static bool find_current(struct server_registry *registry, const struct server_key *key, struct server_listed *out,
+                         uint64_t *version)
 {
     pthread_rwlock_rdlock(&registry->lock);
-    struct server_slot *slot = server_slots_find(registry, key);
+    const struct server_slot *slot = server_slots_find(registry, key);
+    *version = slot ? slot->version : 0;
+    *out = (struct server_listed){.record = slot ? server_record_retain(slot->record) : NULL,
+                                  .surface = slot && slot->surface ? server_surface_retain(slot->surface) : NULL};
     pthread_rwlock_unlock(&registry->lock);
-    return slot;
+    return out->record != NULL;
 }
 
-/* Gives the slot a record and a surface; those that it had go to `*before`. */
-static void replace(struct server_registry *registry, struct server_slot *slot, struct server_surface *surface,
-                    struct server_listed *before)
+/* Under the follower's and the slots' lock: is a change that this daemon has made, of that version (0: the store is not shared),
+ * newer than what the slots say of its key? Else it is there already, or what came after it is. */
+static bool is_news(const struct server_registry *registry, const struct server_slot *slot, uint64_t version)
 {
-    pthread_rwlock_wrlock(&registry->lock);
-    *before = (struct server_listed){slot->record, slot->surface};
-    slot->record = server_record_retain(surface->record);
-    slot->surface = server_surface_retain(surface);
-    slot->uses = slot->noted = 0;
-    server_slot_touch(registry, slot);
-    pthread_rwlock_unlock(&registry->lock);
+    return !version || (version > registry->seen && (!slot || slot->version < version));
 }
 
-/* The slot, with room for it. NULL without memory. */
+/* A slot for a surface, with room for it. NULL without memory. */
 static struct server_slot *prepare_slot(struct server_registry *registry, struct server_surface *surface)
 {
     pthread_rwlock_wrlock(&registry->lock);
@@ -68,6 +63,33 @@ static struct server_slot *prepare_slot(struct server_registry *registry, struct
     return slot;
 }
 
+/* A slot that came nowhere; its surface is not retired: it is its maker's still. */
+static void drop_slot(struct server_slot *slot)
+{
+    server_record_release(slot->record);
+    server_surface_release(slot->surface);
+    free(slot);
+}
+
+/* Puts a slot into the place of the one that its key has; what is left over goes to `*before`. */
+static void enter(struct server_registry *registry, struct server_slot *slot, struct server_slot **before)
+{
+    const struct server_key key = server_record_key(slot->record);
+    *before = NULL;
+    pthread_mutex_lock(&registry->following);
+    pthread_rwlock_wrlock(&registry->lock);
+    struct server_slot *found = server_slots_find(registry, &key);
+    bool is_told = found && found->version && found->version == slot->version; /* the follower was quicker */
+    bool enters = is_told || is_news(registry, found, slot->version);
+    if (enters && found) *before = server_slots_extract(registry, &key);
+    if (enters && server_slots_reserve(registry))
+        server_slots_insert(registry, slot);
+    else
+        drop_slot(slot);
+    pthread_rwlock_unlock(&registry->lock);
+    pthread_mutex_unlock(&registry->following);
+}
+
 /* What the surface is made from; `bytes`: its file. */
 static struct server_content content_of(const struct server_surface *surface, const void *bytes)
 {
@@ -75,56 +97,77 @@ static struct server_content content_of(const struct server_surface *surface, co
         .parts = {[SERVER_PART_FILE] = bytes, [SERVER_PART_ATTACHMENT] = surface->attachment}};
 }
 
-static enum server_store_outcome put_new(struct server_registry *registry, struct server_surface *surface,
-                                         const struct server_content *content)
+static enum server_store_outcome put_other(struct server_registry *registry, struct server_surface *surface,
+                                           const struct server_content *content, uint64_t version,
+                                           struct server_slot **before)
 {
     struct server_slot *slot = prepare_slot(registry, surface);
     if (!slot) return SERVER_STORE_NO_MEMORY;
-    enum server_store_outcome outcome = registry->store->put(registry->store, surface->record, content);
+    enum server_store_outcome outcome = registry->store->put(registry->store, surface->record, content, &version);
     if (outcome) {
-        server_record_release(slot->record);
-        server_surface_release(slot->surface); /* not retired: it is its maker's still */
-        free(slot);
+        drop_slot(slot);
         return outcome;
     }
-    pthread_rwlock_wrlock(&registry->lock);
-    server_slots_insert(registry, slot);
-    pthread_rwlock_unlock(&registry->lock);
-    return SERVER_STORE_CREATED;
+    slot->version = version;
+    enter(registry, slot, before);
+    return SERVER_STORE_DONE;
+}
+
+/* Brings the surface's bytes to the store, and learns what others have done to it. */
+static enum server_store_outcome stage(struct server_registry *registry, const struct server_surface *surface,
+                                       const struct server_content *content)
+{
+    enum server_store_outcome outcome = SERVER_STORE_DONE;
+    if (registry->store->stage) outcome = registry->store->stage(registry->store, surface->record, content);
+    return outcome ? outcome : server_registry_follow(registry, gd_now_ns());
 }
 
 static enum server_store_outcome put_under_lock(struct server_registry *registry, struct server_surface *surface,
-                                                const void *bytes, const struct server_precondition *precondition,
-                                                struct server_listed *before)
+                                                const struct server_content *content,
+                                                const struct server_precondition *precondition,
+                                                struct server_slot **before)
 {
-    const struct server_content content = content_of(surface, bytes);
     const struct server_key key = server_record_key(surface->record);
-    struct server_slot *slot = current(registry, &key);
-    if (!server_precondition_holds(precondition, slot ? slot->record->etag : NULL)) return SERVER_STORE_PRECONDITION;
-    if (!slot) return put_new(registry, surface, &content);
-    bool is_same = slot->record == surface->record;
-    enum server_store_outcome outcome = is_same ? registry->store->keep(registry->store, surface->record, &content)
-                                                : registry->store->put(registry->store, surface->record, &content);
+    struct server_listed now;
+    uint64_t version;
+    enum server_store_outcome outcome = stage(registry, surface, content);
     if (outcome) return outcome;
-    if (is_same)
-        server_registry_keep(registry, surface);
+    bool exists = find_current(registry, &key, &now, &version);
+    bool is_same = exists && now.record == surface->record;
+    if (!server_precondition_holds(precondition, exists ? now.record->etag : NULL))
+        outcome = SERVER_STORE_PRECONDITION;
+    else if (is_same)
+        outcome = registry->store->keep(registry->store, surface->record, content);
     else
-        replace(registry, slot, surface, before);
-    return SERVER_STORE_REPLACED;
+        outcome = put_other(registry, surface, content, version, before);
+    server_listed_release(&now);
+    if (outcome) return outcome;
+    if (is_same) server_registry_keep(registry, surface);
+    return exists ? SERVER_STORE_REPLACED : SERVER_STORE_CREATED;
+}
+
+/* Tells of a slot that has left, and destroys it; NULL is harmless. */
+static void see_off(struct server_registry *registry, struct server_slot *slot)
+{
+    struct server_record *record = slot ? server_record_retain(slot->record) : NULL;
+    server_slot_destroy(slot);
+    if (record) server_slots_tell(registry, record);
+    server_record_release(record);
 }
 
 enum server_store_outcome server_registry_put(struct server_registry *registry, struct server_surface *surface,
                                               const void *bytes, const struct server_precondition *precondition)
 {
-    struct server_listed before = {0};
+    const struct server_content content = content_of(surface, bytes);
+    struct server_slot *before = NULL;
+    enum server_store_outcome outcome = SERVER_STORE_STALE;
     pthread_mutex_lock(&registry->writing);
-    enum server_store_outcome outcome = put_under_lock(registry, surface, bytes, precondition, &before);
+    for (int i = 0; i < DECISIONS && outcome == SERVER_STORE_STALE; i++)
+        outcome = put_under_lock(registry, surface, &content, precondition, &before);
     if (outcome == SERVER_STORE_CREATED || outcome == SERVER_STORE_REPLACED) registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
-    server_slot_retire(before.surface);
-    if (before.record) tell(registry, before.record);
-    server_record_release(before.record);
-    return outcome;
+    see_off(registry, before);
+    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 enum server_store_outcome server_registry_confirm(struct server_registry *registry,
@@ -132,41 +175,60 @@ enum server_store_outcome server_registry_confirm(struct server_registry *regist
 {
     const struct server_content content = content_of(surface, bytes);
     const struct server_key key = server_record_key(surface->record);
-    enum server_store_outcome outcome = SERVER_STORE_ABSENT;
+    struct server_listed now = {0};
+    uint64_t version;
     pthread_mutex_lock(&registry->writing);
-    struct server_slot *slot = current(registry, &key);
-    if (slot && slot->record == surface->record)
-        outcome = registry->store->keep(registry->store, surface->record, &content);
+    enum server_store_outcome outcome = stage(registry, surface, &content);
+    if (!outcome && (!find_current(registry, &key, &now, &version) || now.record != surface->record))
+        outcome = SERVER_STORE_ABSENT;
+    if (!outcome) outcome = registry->store->keep(registry->store, surface->record, &content);
     pthread_mutex_unlock(&registry->writing);
+    server_listed_release(&now);
     return outcome == SERVER_STORE_DONE ? SERVER_STORE_REPLACED : outcome;
+}
+
+/* Takes the slot out whose key was removed in that version. */
+static struct server_slot *leave(struct server_registry *registry, const struct server_key *key, uint64_t version)
+{
+    struct server_slot *left = NULL;
+    pthread_mutex_lock(&registry->following);
+    pthread_rwlock_wrlock(&registry->lock);
+    const struct server_slot *found = server_slots_find(registry, key);
+    if (found && is_news(registry, found, version)) left = server_slots_extract(registry, key);
+    pthread_rwlock_unlock(&registry->lock);
+    pthread_mutex_unlock(&registry->following);
+    return left;
 }
 
 static enum server_store_outcome remove_under_lock(struct server_registry *registry, const struct server_key *key,
                                                    const struct server_precondition *precondition,
                                                    struct server_slot **removed)
 {
-    struct server_slot *slot = current(registry, key);
-    if (!slot) return SERVER_STORE_ABSENT;
-    if (!server_precondition_holds(precondition, slot->record->etag)) return SERVER_STORE_PRECONDITION;
-    enum server_store_outcome outcome = registry->store->remove(registry->store, slot->record);
+    struct server_listed now;
+    uint64_t version;
+    enum server_store_outcome outcome = server_registry_follow(registry, gd_now_ns());
     if (outcome) return outcome;
-    pthread_rwlock_wrlock(&registry->lock);
-    *removed = server_slots_extract(registry, key);
-    pthread_rwlock_unlock(&registry->lock);
-    return SERVER_STORE_DONE;
+    if (!find_current(registry, key, &now, &version)) return SERVER_STORE_ABSENT;
+    outcome = server_precondition_holds(precondition, now.record->etag)
+                  ? registry->store->remove(registry->store, now.record, &version)
+                  : SERVER_STORE_PRECONDITION;
+    server_listed_release(&now);
+    if (!outcome) *removed = leave(registry, key, version);
+    return outcome;
 }
 
 enum server_store_outcome server_registry_remove(struct server_registry *registry, const struct server_key *key,
                                                  const struct server_precondition *precondition)
 {
     struct server_slot *removed = NULL;
+    enum server_store_outcome outcome = SERVER_STORE_STALE;
     pthread_mutex_lock(&registry->writing);
-    enum server_store_outcome outcome = remove_under_lock(registry, key, precondition, &removed);
-    if (removed) registry->store->tidy(registry->store);
+    for (int i = 0; i < DECISIONS && outcome == SERVER_STORE_STALE; i++)
+        outcome = remove_under_lock(registry, key, precondition, &removed);
+    if (outcome == SERVER_STORE_DONE) registry->store->tidy(registry->store);
     pthread_mutex_unlock(&registry->writing);
-    if (removed) tell(registry, removed->record);
-    server_slot_destroy(removed);
-    return outcome;
+    see_off(registry, removed);
+    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
 }
 
 /* --- uses --------------------------------------------------------------------------------------------------------- */

@@ -7,6 +7,7 @@
 
 #include "server/framing.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/request.h"
 #include "server/prefer.h"
 #include "server/reply.h"
 #include "server/server.h"
@@ -173,6 +174,7 @@ void server_router_dispatch(struct server_exchange *exchange)
     const struct proto_route *route = exchange->match.route;
     uint64_t now_ns = exchange->body.size ? gd_now_ns() : exchange->started_ns; /* the time begins when all is there */
     exchange->job.deadline_ns = now_ns + exchange->server->config.timeout_ms * 1000000;
+    if (server_request_follows_first(exchange)) return;
     if (route->query && exchange->body.size > INLINE_BODY_LIMIT)
         server_exchange_defer(exchange, run_handler, NULL);
     else

@@ -27,6 +27,7 @@ struct server_sandbox server_sandbox_enter(const struct server_config *config)
     if (!sandbox.is_wanted) return sandbox;
     sandbox.new_privileges = prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 ? NULL : strerror(errno);
     sandbox.landlock = server_landlock_enter(config);
+    sandbox.connects = config->store == SERVER_STORE_KIND_POSTGRES;
     return sandbox;
 }
 
@@ -39,7 +40,7 @@ void server_sandbox_seal(struct server_sandbox *sandbox)
 {
     struct server_log_line line;
     if (!sandbox->is_wanted) return;
-    sandbox->seccomp = server_seccomp_seal();
+    sandbox->seccomp = server_seccomp_seal(sandbox->connects);
     bool is_whole = !sandbox->new_privileges && !sandbox->landlock && !sandbox->seccomp;
     if (!server_log_begin(&line, is_whole ? SERVER_LOG_INFO : SERVER_LOG_WARN, "sandbox")) return;
     server_log_text(&line, "no_new_privileges", state(sandbox->new_privileges));

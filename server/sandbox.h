@@ -10,12 +10,15 @@
  *     folders of --keys, --tls-cert, --tls-key   reading, since SIGHUP reads them again, after an exchange perhaps.
  *                                                Where a link stands, its folder and the one that it leads to
  *     folder of a unix: socket                   making and removing sockets
- *     TCP (Linux 6.7)                            binding the port of --listen; no connection to anywhere
+ *     TCP (Linux 6.7)                            binding the port of --listen; no connection to anywhere, but to the ports of
+ *                                                a database that --store names
+ *     files of such a database                   reading: certificates, passwords, what names are looked up in
  *     signals, abstract sockets (Linux 6.12)     none to other processes
  *
  * server_sandbox_seal, once it listens: seccomp, by a filter of our own. The system calls of a daemon that runs are
  * allowed; others don't exist (ENOSYS), so that a library that tries a new one falls back; those that only an
- * intruder would make (exec, ptrace, mount, modules) end the process. No new thread, process or socket; no memory
+ * intruder would make (exec, ptrace, mount, modules) end the process. No new thread, process or, unless there is a
+ * database, socket; no memory
  * that is executable. */
 #ifndef SERVER_SANDBOX_H
 #define SERVER_SANDBOX_H
@@ -28,6 +31,7 @@ struct server_config;
 
 struct server_sandbox {         /* why a part is off, a sentence; NULL: it is on */
     bool is_wanted;             /* false: nothing is on */
+    bool connects;              /* to a database, now and later */
     const char *new_privileges; /* that none can be gained */
     const char *landlock, *seccomp;
 };

@@ -11,6 +11,7 @@
 #include "gd/cpu.h"
 #include "server/access.h"
 #include "server/connections.h"
+#include "server/disk.h"
 #include "server/events.h"
 #include "server/field_store.h"
 #include "server/http.h"
@@ -56,7 +57,23 @@ static void destroy(struct server *server)
 static struct server_store *open_store(const struct server_config *config, char *error, size_t error_size)
 {
     if (config->store == SERVER_STORE_KIND_MEMORY) return server_store_memory_create();
+    if (config->store == SERVER_STORE_KIND_POSTGRES)
+        return server_store_postgres_open(config->store_url, error, error_size);
     return server_store_local_open(config->data_dir, error, error_size);
+}
+
+/* Beside a database a folder is for what can be computed again, if one is given. */
+static bool open_fields(struct server *server, char *error, size_t error_size)
+{
+    const struct server_config *config = &server->config;
+    if (!*config->data_dir || config->store == SERVER_STORE_KIND_MEMORY) return true;
+    if (config->store == SERVER_STORE_KIND_POSTGRES) (void)server_disk_make_folder(config->data_dir);
+    server->fields = server_field_store_open(config->data_dir, &server->budget);
+    if (server->fields)
+        server_field_store_follow(server->fields, server->registry);
+    else
+        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s", config->data_dir);
+    return server->fields != NULL;
 }
 
 static bool create_registry(struct server *server, char *error, size_t error_size)
@@ -65,13 +82,7 @@ static bool create_registry(struct server *server, char *error, size_t error_siz
     struct server_store *store = open_store(config, error, error_size);
     if (!store) return false;
     server->registry = server_registry_create(store, &server->budget);
-    if (!server->registry || config->store == SERVER_STORE_KIND_MEMORY) return server->registry != NULL;
-    server->fields = server_field_store_open(config->data_dir, &server->budget);
-    if (server->fields)
-        server_field_store_follow(server->fields, server->registry);
-    else
-        snprintf(error, error_size, "there is no room or memory for the folder of fields in %s", config->data_dir);
-    return server->fields != NULL;
+    return server->registry && open_fields(server, error, error_size);
 }
 
 static bool select_cpu(const struct server_config *config, char *error, size_t error_size)

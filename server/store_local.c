@@ -119,9 +119,10 @@ static enum server_store_outcome put_record(struct server_store_local *local, co
 }
 
 static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
-                                     const struct server_content *content)
+                                     const struct server_content *content, uint64_t *version)
 {
     struct server_store_local *local = local_of(store);
+    (void)version;
     char before[SERVER_PARTS][SERVER_OBJECT];
     if (!can_write(local)) return SERVER_STORE_READ_ONLY;
     enum server_store_outcome outcome =
@@ -165,9 +166,11 @@ static enum server_store_outcome remove_row(struct server_store_local *local, co
     return judge(local, outcome, "a row of the database");
 }
 
-static enum server_store_outcome remove_record(struct server_store *store, const struct server_record *record)
+static enum server_store_outcome remove_record(struct server_store *store, const struct server_record *record,
+                                               uint64_t *version)
 {
     struct server_store_local *local = local_of(store);
+    (void)version;
     if (!can_write(local)) return SERVER_STORE_READ_ONLY;
     enum server_store_outcome outcome = remove_row(local, record->key);
     if (outcome) return outcome;
@@ -223,14 +226,14 @@ static void note_uses(struct server_store *store, const struct server_record *co
     (void)judge(local, server_database_note_uses(local->database, records, uses, count), "a row of the database");
 }
 
-static void each(struct server_store *store,
-                 bool (*visit)(void *user, struct server_record *record, const struct server_store_uses *uses),
-                 void *user)
+static enum server_store_outcome each(struct server_store *store,
+                                      bool (*visit)(void *user, const struct server_stored *stored), void *user)
 {
     struct server_store_local *local = local_of(store);
     for (uint32_t i = 0; i < local->found_count; i++)
-        if (!visit(user, local->found[i].record, &local->found[i].uses)) break;
+        if (!visit(user, &local->found[i])) break;
     server_local_forget_found(local);
+    return SERVER_STORE_DONE;
 }
 
 void server_local_forget_found(struct server_store_local *local)

@@ -9,17 +9,12 @@
 #include "server/store_database.h"
 #include "server/store_files.h"
 
-struct server_found { /* a surface, as the start found it */
-    struct server_record *record;
-    struct server_store_uses uses;
-};
-
 struct server_store_local {
     struct server_store store; /* first */
     struct server_store_files files;
     struct server_database *database; /* NULL: it can't be opened or made; then nothing is written */
     struct server_quarantine quarantine;
-    struct server_found *found; /* given up once they were visited */
+    struct server_stored *found; /* given up once they were visited */
     uint32_t found_count;
     char left[SERVER_PARTS][SERVER_OBJECT]; /* objects that the change under way took from a surface; empty: none */
     bool lacks_rows; /* a row could not be mended: so the database can't tell which bytes are unused */

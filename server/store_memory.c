@@ -3,23 +3,31 @@
 
 #include "server/store.h"
 
-static void each(struct server_store *store,
-                 bool (*visit)(void *user, struct server_record *record, const struct server_store_uses *uses),
-                 void *user)
+static enum server_store_outcome each(struct server_store *store,
+                                      bool (*visit)(void *user, const struct server_stored *stored), void *user)
 {
     (void)store, (void)visit, (void)user;
+    return SERVER_STORE_DONE;
 }
 
 static enum server_store_outcome put(struct server_store *store, const struct server_record *record,
-                                     const struct server_content *content)
+                                     const struct server_content *content, uint64_t *version)
+{
+    (void)store, (void)record, (void)content, (void)version;
+    return SERVER_STORE_DONE;
+}
+
+static enum server_store_outcome keep(struct server_store *store, const struct server_record *record,
+                                      const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
     return SERVER_STORE_DONE;
 }
 
-static enum server_store_outcome forget(struct server_store *store, const struct server_record *record)
+static enum server_store_outcome forget(struct server_store *store, const struct server_record *record,
+                                        uint64_t *version)
 {
-    (void)store, (void)record;
+    (void)store, (void)record, (void)version;
     return SERVER_STORE_DONE;
 }
 
@@ -51,7 +59,7 @@ struct server_store *server_store_memory_create(void)
     if (!store) return NULL;
     *store = (struct server_store){.each = each,
                                    .put = put,
-                                   .keep = put,
+                                   .keep = keep,
                                    .remove = forget,
                                    .tidy = tidy,
                                    .note_uses = note_uses,

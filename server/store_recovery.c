@@ -283,7 +283,7 @@ static bool settle_all(struct recovery *recovery)
         struct server_record *record = settle(recovery, &recovery->findings[i]);
         if (!record) continue;
         local->found[local->found_count++] =
-            (struct server_found){server_record_retain(record), recovery->findings[i].uses};
+            (struct server_stored){.record = server_record_retain(record), .uses = recovery->findings[i].uses};
     }
     return true;
 }

@@ -11,6 +11,9 @@
  * are faults, there is no data folder, or it can't be checked. */
 bool server_store_check(const char *folder, FILE *out);
 
+/* The same of a PostgreSQL store, in use or not: every row, and every object that one names. */
+bool server_store_check_postgres(const char *url, FILE *out);
+
 /* Makes a complete data folder `copy`, which must not hold one, of `folder` as it is at one moment, whether a daemon is
  * using it or not. Objects become links where the file system can, since they never change; each is verified. False
  * with a sentence on `out`. */

@@ -34,6 +34,7 @@ BOUNDARY = {
     r"zlib\.h": ["server/*.c", "engine/render/png.c"],
     r"sqlite3\.h": ["server/store*.c"],
     r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
+    r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)

@@ -1281,9 +1281,9 @@ export type Service = {
 };
 
 export type Health = {
-  /** read_only means that a write to the disk failed. Reads go on; changes are refused with 507. */
-  status: ("ok" | "starting" | "draining" | "read_only");
-  /** Why the store is read-only. */
+  /** read_only means that a write to the disk failed: reads go on, changes are refused with 507. degraded means that the database of `--store` does not answer: meshes in memory can be asked about, all else is refused with 503. */
+  status: ("ok" | "starting" | "draining" | "read_only" | "degraded");
+  /** Why the store is read-only or out of reach. */
   reason?: string;
 };
 
@@ -1322,7 +1322,7 @@ export type Problem = {
   status: number;
   /** One sentence that tells what to change. */
   detail: string;
-  code: ("invalid_request" | "unauthorized" | "forbidden" | "not_found" | "method_not_allowed" | "not_acceptable" | "conflict" | "field_evicted" | "length_required" | "precondition_failed" | "too_large" | "unsupported_media_type" | "invalid_mesh" | "point_not_on_surface" | "rate_limited" | "internal" | "overloaded" | "draining" | "deadline_exceeded" | "insufficient_memory" | "insufficient_storage");
+  code: ("invalid_request" | "unauthorized" | "forbidden" | "not_found" | "method_not_allowed" | "not_acceptable" | "conflict" | "field_evicted" | "length_required" | "precondition_failed" | "too_large" | "unsupported_media_type" | "invalid_mesh" | "point_not_on_surface" | "rate_limited" | "internal" | "overloaded" | "draining" | "store_unavailable" | "deadline_exceeded" | "insufficient_memory" | "insufficient_storage");
   /** Into the body. */
   pointer?: string;
   /** Name in the query string. */

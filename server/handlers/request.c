@@ -1,6 +1,7 @@
 /* See request.h. */
 #include "server/handlers/request.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -42,10 +43,30 @@ bool server_request_is_plain(struct server_exchange *exchange)
     return false;
 }
 
+static void reply_out_of_reach(struct server_exchange *exchange, const char *what)
+{
+    struct proto_problem problem;
+    (void)proto_problem_set(&problem, PROTO_PROBLEM_STORE_UNAVAILABLE,
+                            "the database does not answer, %s; try again in a moment", what);
+    problem.retry_after = 1;
+    server_reply_problem(exchange, &problem);
+}
+
+/* Is it not known for now what other daemons have? */
+static bool is_cut_off(const struct server_exchange *exchange)
+{
+    struct server_registry *registry = exchange->server->registry;
+    return server_registry_is_shared(registry) && server_registry_health(registry);
+}
+
 /* The same for every name, so that it tells nothing of names that exist for others. */
 static void reply_absent(struct server_exchange *exchange)
 {
     const struct server_kind *kind = server_request_kind(exchange);
+    if (is_cut_off(exchange)) {
+        reply_out_of_reach(exchange, "and this daemon does not know the name");
+        return;
+    }
     server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND,
                          "there is no %s of this name; GET /v1/%s lists those that there are", kind->noun,
                          kind->plural);
@@ -59,6 +80,45 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
     if (server_registry_find(exchange->server->registry, &key, out)) return true;
     reply_absent(exchange);
     return false;
+}
+
+/* --- what other daemons have changed ------------------------------------------------------------------------------ */
+
+/* By a worker. */
+static bool follow(struct server_exchange *exchange)
+{
+    struct server_registry *registry = exchange->server->registry;
+    char name[PROTO_MESH_NAME + 1];
+    struct server_key key;
+    struct server_listed listed;
+    bool names_one = exchange->match.capture_count > 0;
+    enum server_store_outcome outcome = server_registry_follow(registry, exchange->started_ns);
+    if (outcome && names_one) {
+        if (!server_request_key(exchange, name, &key)) return true;
+        if (!server_registry_find(registry, &key, &listed)) {
+            server_request_fail(exchange, outcome);
+            return true;
+        }
+        server_listed_release(&listed);
+    }
+    exchange->match.route->handle(exchange);
+    return true;
+}
+
+bool server_request_follows_first(struct server_exchange *exchange)
+{
+    const struct proto_route *route = exchange->match.route;
+    const struct proto_capture *capture = &exchange->match.captures[0];
+    char name[PROTO_MESH_NAME + 1];
+    if (!server_registry_is_shared(exchange->server->registry) || route->segment_count <= KIND_SEGMENT) return false;
+    if (!route->segments[KIND_SEGMENT] || !server_kind_by_plural(route->segments[KIND_SEGMENT])) return false;
+    bool names_one = exchange->match.capture_count > 0;
+    if (names_one && capture->length > PROTO_MESH_NAME) return false; /* no name: the handler says so */
+    if (names_one) snprintf(name, sizeof name, "%.*s", (int)capture->length, capture->text);
+    const struct server_key key = {exchange->tenant, server_request_kind(exchange), name};
+    if (server_registry_is_fresh(exchange->server->registry, names_one ? &key : NULL)) return false;
+    server_exchange_defer(exchange, follow, NULL);
+    return true;
 }
 
 /* --- a surface that is not in memory ------------------------------------------------------------------------------ */
@@ -214,6 +274,10 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
             exchange, PROTO_PROBLEM_INSUFFICIENT_STORAGE,
             "the server's store takes no changes since a write failed; queries go on: tell its operator, "
             "/readyz says more");
+        break;
+    case SERVER_STORE_STALE:
+    case SERVER_STORE_UNAVAILABLE:
+        reply_out_of_reach(exchange, "and it is not known whether the change was made: to repeat it does no harm");
         break;
     case SERVER_STORE_DONE:
     case SERVER_STORE_CREATED:

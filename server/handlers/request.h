@@ -24,6 +24,10 @@ bool server_request_record(struct server_exchange *exchange, struct server_liste
  * exchange is deferred: the surface is loaded by a worker, which then calls the handler again from its beginning. */
 struct server_surface *server_request_surface(struct server_exchange *exchange);
 
+/* Of a request about a surface, before its handler is called: true when a worker is to learn first what other daemons have changed, and then
+ * calls the handler. Then the exchange is deferred. */
+bool server_request_follows_first(struct server_exchange *exchange);
+
 /* Has `work` done by the registry's writer: the last act of work that has something to store. False: as that work then
  * returns. */
 bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));

@@ -40,7 +40,8 @@ void server_handle_get_livez(struct server_exchange *exchange)
     reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
-/* A store that takes no changes leaves the daemon ready, since queries are answered as before. */
+/* A store that takes no changes leaves the daemon ready, since queries are answered as before; so does a shared one that is out of
+ * reach: it is so for the other daemons, too, and what is in memory can be asked about. */
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->server->registry);
@@ -48,7 +49,9 @@ void server_handle_get_readyz(struct server_exchange *exchange)
         server_reply_header(exchange, "Retry-After", "1");
         reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
     } else {
-        reply_health(exchange, 200, reason ? PROTO_HEALTH_READ_ONLY : PROTO_HEALTH_OK, reason);
+        enum proto_health broken =
+            server_registry_is_shared(exchange->server->registry) ? PROTO_HEALTH_DEGRADED : PROTO_HEALTH_READ_ONLY;
+        reply_health(exchange, 200, reason ? broken : PROTO_HEALTH_OK, reason);
     }
 }
 

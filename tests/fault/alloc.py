@@ -23,7 +23,7 @@ from figures import conclude, report
 from harness import TETRAHEDRON
 
 FINE, FRESH, LASTING = 0, 1, 2
-REFUSED = {503: ("overloaded", "draining"), 507: ("insufficient_memory", "insufficient_storage")}
+REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insufficient_memory", "insufficient_storage")}
 PATIENCE_SECONDS = 20
 MOST_TRIALS = 3000  # of a request: more would mean that ways never end
 # differ between two answers to one question

@@ -67,7 +67,7 @@ class PointNotOnSurface(ProblemError):
 
 
 class Overloaded(ProblemError):
-    """overloaded, draining or rate_limited: still so after the client's retries."""
+    """overloaded, draining, store_unavailable or rate_limited: still so after the client's retries."""
 
 
 class DeadlineExceeded(ProblemError):
@@ -94,6 +94,7 @@ _CLASSES: Dict[str, Type[ProblemError]] = {
     "point_not_on_surface": PointNotOnSurface,
     "overloaded": Overloaded,
     "draining": Overloaded,
+    "store_unavailable": Overloaded,
     "rate_limited": Overloaded,
     "deadline_exceeded": DeadlineExceeded,
     "insufficient_memory": Insufficient,

@@ -122,13 +122,13 @@ const size_t proto_route_count = COUNT(proto_routes);
 
 static char folder[FOLDER_PATH];
 static enum server_store_outcome (*put)(struct server_store *store, const struct server_record *record,
-                                        const struct server_content *content);
+                                        const struct server_content *content, uint64_t *version);
 static int puts_left; /* before one fails */
 
 static enum server_store_outcome put_or_fail(struct server_store *store, const struct server_record *record,
-                                             const struct server_content *content)
+                                             const struct server_content *content, uint64_t *version)
 {
-    return puts_left-- > 0 ? put(store, record, content) : SERVER_STORE_FULL;
+    return puts_left-- > 0 ? put(store, record, content, version) : SERVER_STORE_FULL;
 }
 
 static void start(void)

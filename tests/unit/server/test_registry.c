@@ -225,15 +225,23 @@ static void tells_what_is_gone_with_its_last_name(void **state)
 static enum server_store_outcome answer; /* of the next writes */
 
 static enum server_store_outcome answer_put(struct server_store *store, const struct server_record *record,
-                                            const struct server_content *content)
+                                            const struct server_content *content, uint64_t *version)
+{
+    (void)store, (void)record, (void)content, (void)version;
+    return answer;
+}
+
+static enum server_store_outcome answer_keep(struct server_store *store, const struct server_record *record,
+                                             const struct server_content *content)
 {
     (void)store, (void)record, (void)content;
     return answer;
 }
 
-static enum server_store_outcome answer_remove(struct server_store *store, const struct server_record *record)
+static enum server_store_outcome answer_remove(struct server_store *store, const struct server_record *record,
+                                               uint64_t *version)
 {
-    (void)store, (void)record;
+    (void)store, (void)record, (void)version;
     return answer;
 }
 
@@ -250,7 +258,8 @@ static int set_up_stored(void **state)
     struct fixture *fixture = *state;
     struct server_store *store = server_store_memory_create();
     server_registry_destroy(fixture->registry);
-    store->put = store->keep = answer_put;
+    store->put = answer_put;
+    store->keep = answer_keep;
     store->remove = answer_remove;
     store->fetch = give_back;
     answer = SERVER_STORE_DONE;

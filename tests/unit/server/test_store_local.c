@@ -2,6 +2,8 @@
 
 #include "server/store_files.h"
 
+static uint64_t version; /* of a store that is not shared: 0 */
+
 struct fixture {
     char folder[FOLDER_PATH];
     struct server_store *store;
@@ -52,7 +54,7 @@ static enum server_store_outcome put_of(struct fixture *fixture, struct server_k
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
     const struct server_content content = content_of(bytes, attachment);
-    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, &content);
+    enum server_store_outcome outcome = fixture->store->put(fixture->store, record, &content, &version);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
@@ -67,7 +69,7 @@ static enum server_store_outcome drop_of(struct fixture *fixture, struct server_
                                          const char *attachment)
 {
     struct server_record *record = new_record_of(key, MESH_OPTIONS, bytes, attachment);
-    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record);
+    enum server_store_outcome outcome = fixture->store->remove(fixture->store, record, &version);
     if (!outcome) fixture->store->tidy(fixture->store);
     server_record_release(record);
     return outcome;
@@ -103,11 +105,11 @@ struct listing {
     char text[256]; /* "key=uses " of each */
 };
 
-static bool on_record(void *user, struct server_record *record, const struct server_store_uses *uses)
+static bool on_record(void *user, const struct server_stored *stored)
 {
     struct listing *listing = user;
     size_t size = strlen(listing->text);
-    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", record->key, (int)uses->count);
+    snprintf(listing->text + size, sizeof listing->text - size, "%s=%d ", stored->record->key, (int)stored->uses.count);
     return true;
 }
 
@@ -196,11 +198,11 @@ static void bytes_go_when_all_is_tidy(void **state)
     struct server_record *two = new_record("a", "2");
     put(fixture, "a", "1");
     const struct server_content content = content_of("2", NULL);
-    assert_int_equal(fixture->store->put(fixture->store, two, &content), SERVER_STORE_DONE);
+    assert_int_equal(fixture->store->put(fixture->store, two, &content, &version), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_DONE);
     fixture->store->tidy(fixture->store);
     assert_int_equal(fetch(fixture, "1"), SERVER_STORE_ABSENT);
-    assert_int_equal(fixture->store->remove(fixture->store, two), SERVER_STORE_DONE);
+    assert_int_equal(fixture->store->remove(fixture->store, two, &version), SERVER_STORE_DONE);
     assert_int_equal(fetch(fixture, "2"), SERVER_STORE_DONE);
     fixture->store->tidy(fixture->store);
     assert_int_equal(fetch(fixture, "2"), SERVER_STORE_ABSENT);
