@@ -69,7 +69,16 @@ static size_t control_mesh_size(const struct gd_control_mesh *mesh)
 /* The status that goes with a problem of reading. */
 static enum gd_status status_of(const struct proto_problem *problem)
 {
-    return problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY ? GD_NO_MEMORY : GD_SYNTAX;
+    switch (problem->code) {
+    case PROTO_PROBLEM_INSUFFICIENT_MEMORY:
+        return GD_NO_MEMORY;
+    case PROTO_PROBLEM_DEADLINE_EXCEEDED:
+        return GD_DEADLINE;
+    case PROTO_PROBLEM_DRAINING:
+        return GD_CANCELLED;
+    default:
+        return GD_SYNTAX;
+    }
 }
 
 static enum gd_status read_file(struct making *making, const void *bytes, struct proto_problem *problem)

@@ -26,6 +26,7 @@ static void block_signals(sigset_t *awaited)
     sigaddset(awaited, SIGINT);
     pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
 }
 
 static void wait_for_end(struct server *server, const sigset_t *awaited)
