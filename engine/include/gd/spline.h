@@ -49,7 +49,8 @@ struct gd_spline_request {
     const struct gd_vector *tangents;     /* one for each point; NULL: by the rules. Only angles and lengths are read */
     const bool *is_given;                 /* whether a point's tangent counts; NULL: all of `tangents` do */
     const struct gd_landmarks *landmarks; /* of this mesh: searches are narrower; NULL: none */
-    const struct gd_executor *executor; /* two searches at a time; NULL: one after the other. The answer is the same */
+    const struct gd_executor
+        *executor; /* two searches, then two segments at a time; NULL: one after the other. The answer is the same */
 };
 
 /* What the spline has at a point. */
@@ -84,7 +85,7 @@ void gd_spline_free(struct gd_spline *spline); /* frees the arrays and zeroes; N
 /* The spline of a request. `control` and `detail` may be NULL. Where a point is at fault, detail->elements[0][0] is its number and detail->count 1.
  * Errors: GD_INVALID_ARGUMENT (too few points, points that repeat the one before, alpha or tension outside 0 to 1, a tangent that is not finite or so long
  * that its geodesic is no end of, points that no path joins), GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and what gd_pair_solve says.
- * Cost: a search a segment (by the paper's rule one more an inner point), and two traces. With an executor of width 2 or more the searches take about half as long and up to
+ * Cost: a search a segment (by the paper's rule one more an inner point), and two traces. With an executor of width 2 or more all this takes about half as long and up to
  * twice the memory, within the same budget. Thread-safe. */
 GD_MUST_USE enum gd_status gd_spline_build(const struct gd_mesh *mesh, const struct gd_spline_request *request,
                                            const struct gd_control *control, struct gd_spline *out,

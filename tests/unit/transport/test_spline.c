@@ -2,6 +2,7 @@
 #include "tests/unit/transport/lines.h"
 
 #include <pthread.h>
+#include <string.h>
 
 #include "gd/frame.h"
 #include "gd/query.h"
@@ -303,6 +304,10 @@ static void check_same(const struct gd_spline *a, const struct gd_spline *b)
     for (uint32_t i = 0; i < a->count; i++) {
         assert_true(a->segments[i].distance == b->segments[i].distance && a->segments[i].end == b->segments[i].end);
         for (int k = 0; k < 4; k++) assert_true(gd_point_equal(&a->segments[i].control[k], &b->segments[i].control[k]));
+        for (int k = 0; k < 3; k++) {
+            const struct gd_path *leg = &a->segments[i].legs[k], *other = &b->segments[i].legs[k];
+            assert_true(leg->count == other->count && leg->length == other->length);
+        }
     }
 }
 
@@ -338,6 +343,28 @@ static void two_at_a_time(void **state)
         gd_spline_free(&alone);
     }
     gd_workspace_destroy(control.workspace);
+    surface_free(&torus);
+}
+
+/* Of two tangents that are no end of, it is the first that is told. */
+static void two_refuse_as_one(void **state)
+{
+    (void)state;
+    enum { MANY = 6 };
+    struct surface torus = surface_of("torus", (double[SAMPLE_PARAMETERS]){60, 40, 1, 0.4});
+    struct rng rng = {18};
+    struct gd_point points[MANY];
+    random_points(&torus, &rng, points, MANY);
+    struct gd_vector tangents[MANY] = {0};
+    const bool is_given[MANY] = {false, false, true, false, true, false};
+    tangents[2].length = tangents[4].length = 1e9;
+    const struct gd_executor executor = {.width = 2, .run = run_on_two};
+    struct gd_spline_request request = {
+        .points = points, .count = MANY, .tangents = tangents, .is_given = is_given, .executor = &executor};
+    struct gd_spline spline;
+    struct gd_detail detail = {0};
+    assert_int_equal(gd_spline_build(torus.mesh, &request, NULL, &spline, &detail), GD_INVALID_ARGUMENT);
+    assert_true(detail.count == 1 && detail.elements[0][0] == 2 && strstr(detail.text, "point 2"));
     surface_free(&torus);
 }
 
@@ -401,6 +428,7 @@ int main(void)
                                        cmocka_unit_test(any_scale),
                                        cmocka_unit_test(lengths),
                                        cmocka_unit_test(two_at_a_time),
+                                       cmocka_unit_test(two_refuse_as_one),
                                        cmocka_unit_test(two_within_the_budget_of_one),
                                        cmocka_unit_test(refusals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
