@@ -48,6 +48,8 @@ export class App {
   private readonly asker = new Latest<boolean>((live) => this.ask(live));
   private readonly chooser: Chooser;
   private opening: AbortController | undefined;
+  /** How many surfaces are on their way. */
+  private loads = 0;
 
   constructor() {
     this.chooser = new Chooser({
@@ -131,12 +133,14 @@ export class App {
   async open(kind: Kind, name: string, parameters?: URLSearchParams): Promise<void> {
     this.bench.abort();
     this.say(`Loading ${name}.`);
+    this.loads++;
     try {
       const surface = await loadSurface(this.api, kind, name);
       this.showSurface(surface, parameters);
     } catch (error) {
       this.fail(error);
     }
+    this.loads--;
     this.say("");
   }
 
@@ -166,6 +170,7 @@ export class App {
     const opening = (this.opening = new AbortController());
     const onUpload = (what: string, part: number): void => this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
     let made: Description | undefined;
+    this.loads++;
     try {
       if (kind === "subdivisions") await rememberCage(await file.body.text());
       made = await upload(this.api, kind, file, query, onUpload, opening.signal);
@@ -176,6 +181,7 @@ export class App {
     this.answer.hideProgress();
     this.opening = undefined;
     if (made) await this.open(kind, made.name);
+    this.loads--;
     if (made) this.answer.showRequests([{ method: "PUT", path: `/v1/${kind}/${made.name}`, query, file }, ...this.bench.made]);
   }
 
@@ -287,7 +293,7 @@ export class App {
   }
 
   get busy(): boolean {
-    return this.asker.busy || this.opening !== undefined;
+    return this.asker.busy || this.loads > 0;
   }
 
   /** Drops the question and the upload under way. */

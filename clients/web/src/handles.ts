@@ -1,11 +1,13 @@
 // The points as buttons over the picture: they can be dragged by mouse, pen and finger, and moved by the arrow keys.
 
 import { make } from "./dom.ts";
+import type { Place } from "./place.ts";
 import type { Mark, Points } from "./points.ts";
 import type { Pixel, Scene } from "./scene.ts";
 
 const STEP = 4; /* pixels an arrow key moves a point */
 const LARGE_STEP = 24; /* with Shift */
+const STRIDES = 32; /* in which the outline is looked for */
 const ARROWS: Record<string, Pixel> = {
   ArrowLeft: { x: -1, y: 0 },
   ArrowRight: { x: 1, y: 0 },
@@ -87,8 +89,19 @@ export class Handles {
     if (!this.dragged) return;
     const { mark, offset } = this.dragged;
     const pixel = this.pixelOf(event);
-    const place = this.scene.pick({ x: pixel.x + offset.x, y: pixel.y + offset.y });
+    const place = this.towardsMiddle({ x: pixel.x + offset.x, y: pixel.y + offset.y });
     if (place) this.points.move(mark, place, true);
+  }
+
+  /** The surface at a pixel; beside the surface what is first seen on the way to its middle, so that a point glides along the outline. */
+  private towardsMiddle(pixel: Pixel): Place | null {
+    const middle = this.scene.middle;
+    for (let i = 0; i < STRIDES; i++) {
+      const t = i / STRIDES;
+      const place = this.scene.pick({ x: pixel.x + t * (middle.x - pixel.x), y: pixel.y + t * (middle.y - pixel.y) });
+      if (place) return place;
+    }
+    return null;
   }
 
   private end(): void {

@@ -46,6 +46,8 @@ function material(style: LineStyle, behind: boolean): LineMaterial {
 
 export class Lines {
   readonly group = new Group();
+  /** Kept: with its last material a program of the graphics card would go, and be compiled again for the next answer. */
+  private readonly materials = new Map<string, LineMaterial>();
   private readonly sets = new Map<string, LineSegments2[]>();
 
   /** Shows polylines of the frame under a name, in the place of what had that name. */
@@ -56,16 +58,21 @@ export class Lines {
     const geometry = new LineSegmentsGeometry().setPositions(ends);
     const objects = [false, true]
       .filter((behind) => !behind || style.hidden !== 0)
-      .map((behind) => new LineSegments2(geometry, material(style, behind)));
+      .map((behind) => new LineSegments2(geometry, this.material(style, behind)));
     for (const object of objects) object.renderOrder = style.width;
     this.sets.set(name, objects);
     this.group.add(...objects);
   }
 
+  private material(style: LineStyle, behind: boolean): LineMaterial {
+    const key = JSON.stringify([style, behind]);
+    if (!this.materials.has(key)) this.materials.set(key, material(style, behind));
+    return this.materials.get(key)!;
+  }
+
   remove(name: string): void {
     for (const object of this.sets.get(name) ?? []) {
       object.geometry.dispose();
-      object.material.dispose();
       this.group.remove(object);
     }
     this.sets.delete(name);

@@ -207,6 +207,11 @@ export class Scene {
     return { x: ((p.x + 1) / 2) * this.size.x, y: ((1 - p.y) / 2) * this.size.y };
   }
 
+  /** Where the middle of the surface's box is seen. */
+  get middle(): Pixel {
+    return this.project(this.surface?.frame.centre ?? [0, 0, 0]);
+  }
+
   /** The ray through a pixel, in the frame. */
   private ray(pixel: Pixel): { origin: Vec3; direction: Vec3 } {
     this.camera.updateMatrixWorld();
@@ -228,13 +233,6 @@ export class Scene {
     const to = subtract(this.surface.frame.toView(xyz), origin);
     const hit = this.surface.bvh.cast(origin, to);
     return hit !== null && hit.distance < 1 - 2e-3;
-  }
-
-  /** The length of a pixel at a point, in the frame. */
-  pixelSize(xyz: Vec3): number {
-    const at = new Vector3(...(this.surface?.frame.toView(xyz) ?? xyz));
-    const depth = at.distanceTo(this.camera.position);
-    return (2 * depth * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / this.size.y;
   }
 
   toView(points: Vec3[]): Vec3[] {
