@@ -86,7 +86,7 @@ demo-stop: ## stop the demo's daemon
 serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
-test: PACKAGES += debhelper lintian pkg-config haproxy postgresql # wanted by tests only
+test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
 test: setup-test nurbs-peers web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
@@ -95,7 +95,7 @@ test: setup-test nurbs-peers web-peers ## set up and run all tests
 	@tests/run.py $(TEST_PROGRAMS) $(ASAN_PROGRAMS) "$(BUILD)/gd_sweep --sources 2 $(SWEEP_SHORT)" "$(BUILD)/gd_bench ablation --quick" \
 	    "tests/bench/table.py --quick --build $(BUILD)" "tests/bench/peers.py --quick --build $(BUILD)" "tests/bench/plots.py --quick --build $(BUILD)" \
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
-	    tests/oracle/mirror.py tests/api/run.py tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
+	    tests/oracle/mirror.py tests/api/run.py tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
 # Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py is skipped.
 NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0
@@ -120,9 +120,8 @@ test-web: build web-peers ## the pages in a browser only
 test-container: ## the container's image, really built and run (wants buildah, mmdebstrap, root)
 	@tests/container/run.py --place $(BUILD)/container
 
-image: ## the container's image, by docker, podman or buildah
-	@builder=$$(command -v docker || command -v podman || command -v buildah) || { echo "install docker, podman or buildah"; exit 1; }; \
-	$$builder build $(if $(BASE),--build-arg BASE=$(BASE)) -t geodesicd -f docker/Dockerfile .
+image: ## the container's image, by docker, podman or buildah, and its parts list (BASE= SOURCE= VIEWER=no)
+	@BASE='$(BASE)' SOURCE='$(SOURCE)' VIEWER='$(VIEWER)' docker/image.sh $(BUILD)
 
 test-api: build $(CLIENTS) ## the daemon over HTTP only
 	@tests/run.py tests/api/run.py

@@ -44,7 +44,7 @@ VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
 FORCE:
 $(BUILD)/%.pc: FORCE
 	@mkdir -p $(@D)
-	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
+	@sed "s|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@LIBS@|$(ENGINE_LIBS)|; s|@VERSION@|$(VERSION)|" $(wildcard engine/$*.pc.in clients/c/$*.pc.in) > $@
 $(BUILD)/geodesicd.service: docker/geodesicd.service FORCE
 	@mkdir -p $(@D)
 	@sed "s|/usr/bin/|$(PREFIX)/bin/|" $< > $@
@@ -63,3 +63,6 @@ deb: ## Debian packages: daemon, clients, libraries (wants debhelper)
 
 test-package: build client-c ## the Debian packages in a fresh Debian: installed, run, removed (wants debhelper, lintian, mmdebstrap, root)
 	@tests/package/run.py --build $(BUILD) --chroot
+
+test-cluster: build ## several nodes behind HAProxy and on one PostgreSQL (wants haproxy, wrk, postgresql)
+	@tests/run.py --jobs 1 --timeout 1800 tests/cluster/routing.py "tests/cluster/run.py --long" tests/cluster/shipped.py

@@ -156,7 +156,7 @@ of() { sed -n "s/^$1=-\{0,1\}//p" $unit; }
 set -a; . "$(of EnvironmentFile)"; set +a
 setpriv --reuid="$(of User)" --regid="$(of Group)" --clear-groups --bounding-set=-all --inh-caps=-all --no-new-privs $(of ExecStart) 2>/tmp/log &
 daemon=$!
-for _ in $(seq 200); do grep -q '"listening"' /tmp/log && break; sleep 0.05; done
+for _ in $(seq 200); do grep -qs '"listening"' /tmp/log && break; sleep 0.05; done
 export GEODESICD_URL=http://$GEODESICD_LISTEN
 printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n' >/tmp/square.obj
 geodesic upload /tmp/square.obj >/dev/null
@@ -221,8 +221,8 @@ def main():
     options = arguments.parse_args()
     build, report = options.build.resolve(), Report()
     look_at_install(report, build)
-    if not shutil.which("dh"):
-        report.skip("Debian packages", "debhelper is not installed")
+    if not shutil.which("dh") or not shutil.which("dh_python3"):
+        report.skip("Debian packages", "debhelper and dh-python are not installed")
         return report.failed > 0
     begun = time.monotonic()
     make(build, "deb", *([] if options.chroot else [f"DEB_BUILD={build}"]))

@@ -1,0 +1,30 @@
+#!/bin/sh
+# image.sh BUILD: builds the image `geodesicd` by docker, podman or buildah, with labels that say what it is, and leaves its parts list in
+# BUILD/sbom.spdx.json. BASE: another Debian 12; SOURCE: where the sources are published; VIEWER=no: without the pages, which npm makes.
+set -eu
+build=$1
+builder=$(command -v docker || command -v podman || command -v buildah) || {
+    echo "install docker, podman or buildah" >&2
+    exit 1
+}
+version=$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
+revision=$(git rev-parse HEAD 2>/dev/null || echo unknown)
+created=$(TZ=UTC git log -1 --format=%cd --date=format-local:%Y-%m-%dT%H:%M:%SZ 2>/dev/null || date -u +%Y-%m-%dT%H:%M:%SZ)
+parts=/usr/share/doc/geodesicd/sbom.spdx.json
+
+"$builder" build ${BASE:+--build-arg BASE="$BASE"} ${VIEWER:+--build-arg VIEWER="$VIEWER"} ${SOURCE:+--build-arg SOURCE="$SOURCE"} \
+    --build-arg VERSION="$version" --build-arg REVISION="$revision" --build-arg CREATED="$created" -t geodesicd -f docker/Dockerfile .
+
+mkdir -p "$build"
+case $builder in
+*/buildah)
+    container=$("$builder" from geodesicd)
+    "$builder" run "$container" -- cat "$parts" >"$build/sbom.spdx.json"
+    "$builder" rm "$container" >/dev/null
+    ;;
+*)
+    "$builder" run --rm --entrypoint cat geodesicd "$parts" >"$build/sbom.spdx.json"
+    "$builder" image inspect --format 'geodesicd: {{.Size}} bytes' geodesicd
+    ;;
+esac
+echo "parts list: $build/sbom.spdx.json"

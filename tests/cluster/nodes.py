@@ -1,0 +1,32 @@
+"""Daemons behind a front: each has a port that it keeps, and can be killed, restarted as an operator would, and started again."""
+import pathlib
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "api"))
+sys.path.insert(0, str(HERE.parent / "fault"))
+
+import harness  # noqa: E402
+from front import DRAIN_DELAY_MS, free_port  # noqa: E402
+
+FLAGS = ("--drain-delay-ms", str(DRAIN_DELAY_MS), "--max-address-connections", "0", "--http-threads", "1", "--workers", "1")
+
+
+class Member:
+    """A daemon's place in the cluster; `flags` say where it keeps its meshes."""
+
+    def __init__(self, *flags):
+        self.port, self.flags = free_port(), (*FLAGS, *flags)
+        self.start()
+
+    def start(self):
+        self.daemon = harness.Daemon(*self.flags, listen=f"127.0.0.1:{self.port}")
+
+    def kill(self):
+        self.daemon.process.kill()
+        self.daemon.process.wait()
+
+    def stop(self):
+        if self.daemon.process.poll() is None:
+            self.daemon.process.terminate()
+        return self.daemon.stop()
