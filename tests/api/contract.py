@@ -1,0 +1,226 @@
+"""The contract, proto/openapi.yaml, as something that requests can be made of and answers be held against.
+
+An answer is right when its operation documents the status, the media type, the problem's code, the headers and the body, and nothing of
+them is missing that it promises. Objects are closed in the document (proto/generate.py sees to it), so a member that is not documented is
+a fault. Needs Debian's python3-yaml and python3-jsonschema.
+"""
+import functools
+import gzip
+import json
+import pathlib
+import re
+import urllib.parse
+
+import yaml
+
+DOCUMENT = pathlib.Path(__file__).resolve().parents[2] / "proto" / "openapi.yaml"
+METHODS = ("get", "head", "put", "post", "delete")
+JSON_TYPES = ("application/json", "application/problem+json")
+PROBLEM = {"$ref": "#/components/schemas/Problem"}
+# Any answer may have these; all other headers are documented.
+COMMON_HEADERS = {"cache-control", "connection", "content-encoding", "content-length", "content-security-policy", "content-type",
+                  "cross-origin-resource-policy", "date", "referrer-policy", "strict-transport-security", "transfer-encoding", "vary",
+                  "x-content-type-options", "x-request-id"}
+PAGE_HEADERS = ("access-control-",)  # what a page of a listed origin is told
+# Of answers that belong to no operation.
+NOWHERE = {400: "invalid_request", 401: "unauthorized", 403: "forbidden", 404: "not_found", 405: "method_not_allowed", 429: "rate_limited"}
+THIN = 8  # items of a long array that are looked at, where a glance is enough
+THIN_BYTES = 1 << 20  # of a body; larger ones are not looked at then
+
+
+def resolved(document, item):
+    """The item that a reference within the document stands for."""
+    while isinstance(item, dict) and "$ref" in item:
+        node = document
+        for part in item["$ref"][2:].split("/"):
+            node = node[part.replace("~1", "/").replace("~0", "~")]
+        item = node
+    return item
+
+
+def thinned(value):
+    """The value with some items of each long array, from its begin to its end, so that checking it costs little."""
+    if isinstance(value, dict):
+        return {key: thinned(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [thinned(item) for item in value[:: -(-len(value) // THIN) or 1]]
+    return value
+
+
+def shown(document, content):
+    """The values of the examples of a media type or a parameter."""
+    if "example" in content:
+        return [content["example"]]
+    return [resolved(document, example)["value"] for example in content.get("examples", {}).values()]
+
+
+class Operation:
+    """A method of a path. `codes` are the problems of each status, which the responses' descriptions name between backticks."""
+
+    def __init__(self, document, path, method, item, operation):
+        self.path, self.method, self.name = path, method, operation["operationId"]
+        self.tags = operation["tags"]
+        self.parameters = [resolved(document, each) for each in (*item.get("parameters", ()), *operation.get("parameters", ()))]
+        self.body = resolved(document, operation.get("requestBody"))
+        self.responses = {status: resolved(document, response) for status, response in operation["responses"].items()}
+        self.security = operation.get("security")
+        known = document["components"]["schemas"]["Problem"]["properties"]["code"]["enum"]
+        self.codes = {int(status): [word for word in re.findall(r"`(\w+)`", response["description"]) if word in known]
+                      for status, response in self.responses.items() if status.isdigit() and int(status) >= 400}
+
+    def __repr__(self):
+        return f"{self.method.upper()} {self.path}"
+
+    def response(self, status):
+        return self.responses.get(str(status)) or self.responses.get("default")
+
+    @property
+    def success(self):
+        """The first status of those that are no problem and no job."""
+        return min(int(status) for status in self.responses if status.isdigit() and status[0] == "2" and status != "202")
+
+    def words(self, name):
+        """That a query parameter may be, or a list of."""
+        schemas = [parameter["schema"] for parameter in self.parameters if parameter["in"] == "query" and parameter["name"] == name]
+        return [word for schema in schemas for word in schema.get("items", schema).get("enum", ())]
+
+    def examples(self, document):
+        """(media type, bytes) of each request body that is shown."""
+        for kind, content in (self.body or {}).get("content", {}).items():
+            for value in shown(document, content):
+                yield kind, (value if isinstance(value, str) else json.dumps(value)).encode()
+
+
+class Contract:
+    def __init__(self, document):
+        self.document = document
+        self.operations = [Operation(document, path, method, item, item[method])
+                           for path, item in document["paths"].items() for method in METHODS if method in item]
+        # names before captures, so that of two paths that fit the more literal one is found
+        self.paths = sorted({each.path for each in self.operations}, key=lambda path: path.count("{"))
+        self.patterns = [(path, re.compile(re.sub(r"\{\w+\}", "[^/]+", path))) for path in self.paths]
+        self.by_place = {(each.path, each.method): each for each in self.operations}
+        self.schemas = {}
+
+    def operation(self, method, target):
+        """That a request is for, or None. HEAD is answered wherever GET is."""
+        path = urllib.parse.unquote(target.partition("?")[0])
+        found = next((each for each, pattern in self.patterns if pattern.fullmatch(path)), None)
+        method = method.lower()
+        return self.by_place.get((found, method)) or (self.by_place.get((found, "get")) if method == "head" else None)
+
+    def invalid(self, value, schema, place):
+        """What is wrong about a value, if anything."""
+        from jsonschema import Draft202012Validator, exceptions
+        key = json.dumps(schema, sort_keys=True)
+        if key not in self.schemas:
+            self.schemas[key] = Draft202012Validator({"components": self.document["components"], **schema})
+        error = exceptions.best_match(self.schemas[key].iter_errors(value))
+        if error:
+            where = "/".join(str(part) for part in error.absolute_path)
+            yield f"{place}: at /{where} {error.message[:300]}"
+
+    def faults(self, method, target, answer, is_thin=False):
+        """Sentences that tell where an answer to a request differs from the contract."""
+        operation = self.operation(method, target)
+        place = f"{method} {target[:120]} -> {answer.status}"
+        if operation is None:
+            return list(self.faults_of_nowhere(method, answer, place))
+        response = operation.response(answer.status)
+        if response is None:
+            return [f"{place}: {operation.name} does not document that status ({answer.body[:200]!r})"]
+        return [*self.faults_of_headers(response, answer, place), *self.faults_of_body(operation, response, method, answer, place, is_thin)]
+
+    def shown_answers(self, operation, answer):
+        """The JSON documents that the contract shows of such an answer."""
+        content = operation.response(answer.status).get("content", {}).get("application/json", {})
+        return shown(self.document, content) if answer.headers.get("Content-Type") == "application/json" else []
+
+    def faults_of_examples(self, operation):
+        """What is shown of an operation fits what is told of it."""
+        for parameter in operation.parameters:
+            for value in shown(self.document, parameter):
+                yield from self.invalid(value, parameter["schema"], f"{operation}: the example of {parameter['name']}")
+        for place, item in [("request", operation.body or {}), *operation.responses.items()]:
+            for kind, content in item.get("content", {}).items():
+                for value in shown(self.document, content) if "contentSchema" not in content.get("schema", {}) else ():  # lines, one of them wrong
+                    yield from self.invalid(value, content["schema"], f"{operation}: the example of {place}, {kind}")
+
+    def faults_of_nowhere(self, method, answer, place):
+        if answer.status < 400:
+            if answer.status not in (200, 204, 304):
+                yield f"{place}: no path of the contract, and an answer"
+        elif method != "HEAD":
+            yield from self.invalid(answer.json, PROBLEM, place)
+            if answer.json.get("code") != NOWHERE.get(answer.status):
+                yield f"{place}: no path of the contract answers {answer.json.get('code')}"
+
+    def faults_of_headers(self, response, answer, place):
+        documented = {name.lower(): resolved(self.document, header) for name, header in response.get("headers", {}).items()}
+        sent = {name.lower(): value for name, value in answer.headers.items()}
+        for name in sent:
+            if name not in documented and name not in COMMON_HEADERS and not name.startswith(PAGE_HEADERS):
+                yield f"{place}: the header {name} is not documented"
+        for name, header in documented.items():
+            if name not in sent:
+                if header.get("required", True):
+                    yield f"{place}: the header {name} is missing"
+                continue
+            value = int(sent[name]) if header["schema"].get("type") == "integer" and sent[name].isdigit() else sent[name]
+            yield from self.invalid(value, header["schema"], f"{place}: header {name}")
+
+    def faults_of_body(self, operation, response, method, answer, place, is_thin):
+        if method == "HEAD" or answer.status in (204, 304) or "content" not in response:
+            if answer.body:
+                yield f"{place}: a body where none is documented ({answer.body[:100]!r})"
+            return
+        kind = (answer.headers.get("Content-Type") or "").partition(";")[0]
+        content = response["content"].get(kind, response["content"].get("*/*"))
+        if content is None:
+            yield f"{place}: {kind} is not documented, {', '.join(response['content'])} is"
+            return
+        yield from self.faults_of_content(operation, content.get("schema", {}), kind, answer, place, is_thin)
+
+    def faults_of_content(self, operation, schema, kind, answer, place, is_thin):
+        body = gzip.decompress(answer.body) if answer.headers.get("Content-Encoding") == "gzip" else answer.body
+        if is_thin and len(body) > THIN_BYTES:
+            return
+        if kind in JSON_TYPES:
+            values = [json.loads(body)]
+        elif kind == "application/x-ndjson":
+            values, schema = [json.loads(line) for line in body.splitlines()], schema["contentSchema"]
+        elif kind.startswith("text/"):
+            values = [body.decode()]
+        else:
+            return
+        for value in thinned(values) if is_thin else values:
+            yield from self.invalid(value, schema, place)
+        if kind == "application/problem+json":
+            yield from self.faults_of_problem(operation, values[0], answer, place)
+        elif schema == {"$ref": "#/components/schemas/Job"}:
+            yield from self.faults_of_job(values[0], place)
+
+    def faults_of_problem(self, operation, problem, answer, place):
+        if problem["status"] != answer.status:
+            yield f"{place}: the problem says {problem['status']}"
+        documented = operation.codes.get(answer.status)
+        if documented is not None and problem["code"] not in documented:
+            yield f"{place}: {operation.name} documents {documented}, not {problem['code']} ({problem['detail']})"
+
+    def faults_of_job(self, job, place):
+        """What a job holds is what its operation would have answered."""
+        if "result" not in job or "response" not in job:
+            return
+        operation = self.operation(*job["request"].split(" ", 1))
+        response = operation.response(job["response"]["status"])
+        content = (response or {}).get("content", {}).get(job["response"]["media_type"])
+        if content is None:
+            yield f"{place}: {operation.name} does not document the job's {job['response']['status']} {job['response']['media_type']}"
+        elif job["response"]["media_type"] in JSON_TYPES:
+            yield from self.invalid(thinned(job["result"]), content["schema"], f"{place}, the job's result")
+
+
+@functools.cache
+def load():
+    with open(DOCUMENT, encoding="utf-8") as file:
+        return Contract(yaml.load(file, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)))

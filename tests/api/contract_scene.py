@@ -1,0 +1,138 @@
+"""What the documented requests are asked about: for each operation the request that the contract shows, on surfaces that it shows, too.
+
+A new operation needs nothing here when its parameters and its body have examples that work on the surfaces of `Scene.fill`: the mesh
+`tetrahedron`, the control mesh `cube`, the NURBS surface `sheet`, what their examples of `discretize` and `tessellate` make, a field and a
+job. What these can't tell stands in the tables below.
+"""
+import json
+import time
+import typing
+import urllib.parse
+
+# A mesh that remembers where it comes from.
+MESH_OF = {"get_mesh_parameters": "sheet-mesh", "get_mesh_places": "cube-mesh"}
+JSON = {"Content-Type": "application/json"}
+FIELD = b'{"set": {"points": [{"vertex": 0}]}}'
+PATIENCE_SECONDS = 30
+
+
+class Ask(typing.NamedTuple):
+    """A request. `body` None: none, and no Content-Length either."""
+
+    method: str
+    target: str
+    body: bytes | None
+    headers: dict
+
+    def plus(self, body=None, query="", **headers):
+        """The same with other headers (`If_Match` is If-Match; None takes one away), more of a query, or another body."""
+        sign = "&" if "?" in self.target else "?"
+        named = {name.replace("_", "-"): value for name, value in headers.items()}
+        merged = {name: value for name, value in {**self.headers, **named}.items() if value is not None}
+        return Ask(self.method, self.target + (sign + query if query else ""), self.body if body is None else body, merged)
+
+
+def send(daemon, ask):
+    """http.client's `request` would add a Content-Length to each POST."""
+    if ask.body is not None or ask.method not in ("POST", "PUT"):
+        return daemon.request(ask.method, ask.target, ask.body, ask.headers)
+    return daemon.request_bare(ask.method, ask.target, ask.headers)
+
+
+class Scene:
+    """A daemon with all that the contract's requests ask about."""
+
+    def __init__(self, daemon, contract, **headers):
+        self.daemon, self.contract, self.headers = daemon, contract, headers
+        self.by_name = {each.name: each for each in contract.operations}
+        self.field = self.job = ""
+
+    def must(self, method, path, body=None, headers=None):
+        answer = self.daemon.request(method, path, body, {**self.headers, **(headers or {})})
+        assert answer.status in (200, 201, 202, 204), (method, path, answer)
+        return answer
+
+    def shown_body(self, name):
+        return next(iter(self.by_name[name].examples(self.contract.document)))[1]
+
+    def put_surfaces(self):
+        for put in ("put_mesh", "put_nurbs", "put_subdivision"):
+            self.must("PUT", self.path(self.by_name[put]), self.shown_body(put), JSON)
+
+    def fill(self):
+        """Each time anew; what is there already is not changed by it."""
+        self.put_surfaces()
+        for operation in ("post_nurbs_tessellate", "post_subdivision_discretize"):
+            self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
+        self.field = self.must("POST", self.path(self.by_name["create_field"]), FIELD, JSON).json["id"]
+        self.job = self.finished_job()
+        return self
+
+    def pretend(self):
+        """Of a daemon that was started again: it has the surfaces, and forgot the rest."""
+        self.field, self.job = "0" * 32, "0" * 24
+        return self
+
+    def start_job(self, target, document):
+        return self.must("POST", target, dumps(document), {**JSON, "Prefer": "respond-async"}).json["id"]
+
+    def finished_job(self):
+        target = self.path(self.by_name["post_distance"])
+        return self.end_of_job(self.must("POST", target, self.shown_body("post_distance"), {**JSON, "Prefer": "respond-async"}))
+
+    def end_of_job(self, accepted):
+        """The job's id, once it has ended."""
+        until = time.monotonic() + PATIENCE_SECONDS
+        while (job := self.must("GET", accepted.headers["Location"]).json)["state"] in ("queued", "running"):
+            assert time.monotonic() < until, job
+        return job["id"]
+
+    def path(self, operation):
+        """Its path, with the examples of its parameters."""
+        path = operation.path
+        for parameter in operation.parameters:
+            if parameter["in"] != "path":
+                continue
+            name = parameter["name"]
+            value = {"id": self.field, "job": self.job}.get(name) or MESH_OF.get(operation.name) or parameter["example"]
+            path = path.replace("{" + name + "}", value)
+        return path
+
+    def query(self, operation, optional):
+        shown = [each for each in operation.parameters if each["in"] == "query" and "example" in each]
+        needed = [each for each in shown if each.get("required")]
+        return urllib.parse.urlencode([(each["name"], query_text(each["example"])) for each in (shown if optional else needed or shown)], safe=":,")
+
+    def ask(self, operation, example=None, optional=True):
+        """The documented request; `example` is one of its bodies, the first if None. `optional`: with all parameters that have an example, not only
+        those that are required, if any is."""
+        query = self.query(operation, optional)
+        kind, body = example or next(iter(operation.examples(self.contract.document)), (None, None))
+        headers = {**self.headers, **({"Content-Type": kind} if kind else {})}
+        return Ask(operation.method.upper(), self.path(operation) + ("?" + query if query else ""), body, headers)
+
+    def asks(self, operation):
+        """All documented requests."""
+        for example in list(operation.examples(self.contract.document)) or [None]:
+            yield self.ask(operation, example)
+
+
+def query_text(value):
+    return {True: "true", False: "false"}.get(value, value) if isinstance(value, bool) else value
+
+
+def points_replaced(value, replacement):
+    """The JSON value with every point of a mesh replaced."""
+    if isinstance(value, dict):
+        if value.keys() in ({"vertex"}, {"edge", "t"}, {"face", "barycentric"}, {"xyz", "max_snap"}):
+            return replacement
+        if "vertices" in value and "faces" not in value:
+            return {"points": [replacement]}
+        return {key: points_replaced(item, replacement) for key, item in value.items()}
+    if isinstance(value, list):
+        return [points_replaced(item, replacement) for item in value]
+    return value
+
+
+def dumps(value):
+    return json.dumps(value).encode()

@@ -1,0 +1,385 @@
+"""What a daemon can be like, and what can be done to a request: each brings about problems that the contract documents.
+
+A situation is tried on every operation that it concerns: `try_...` makes a daemon of a kind, a change makes a right request a wrong one. What
+comes is noted by operation. test_contract_problems.py compares it with what is documented.
+"""
+import collections
+import contextlib
+import http.client
+import json
+import pathlib
+import resource
+import sys
+import tempfile
+import threading
+import time
+
+import contract
+from contract_scene import JSON, MESH_OF, Ask, Scene, dumps, points_replaced, send
+from harness import PROGRAM, TETRAHEDRON, Answer, Daemon, sample
+from nurbs import bumps
+from test_access import bearer, line
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "fault"))
+
+from alloc import FINE, FRESH, open_control  # noqa: E402
+from common import Shimmed, build_shim  # noqa: E402
+
+FEW_SECONDS = 60
+
+
+def documented(operation):
+    """(status, code) of each problem; HEAD has no body to tell a code in."""
+    for status, codes in operation.codes.items():
+        for code in codes:
+            yield status, code
+
+
+class Situations:
+    """What has come: `seen` by operation, and `faults`."""
+
+    def __init__(self):
+        self.contract = contract.load()
+        self.seen, self.faults = collections.defaultdict(set), []
+
+    def note(self, operation, ask, answer):
+        self.faults += self.contract.faults(ask.method, ask.target, answer)
+        if answer.status < 400:
+            self.seen[operation.name].add((answer.status, ""))
+        elif operation.method == "head":
+            self.seen[operation.name].update((answer.status, code) for code in operation.codes.get(answer.status, ()))
+        else:
+            self.seen[operation.name].add((answer.status, answer.json["code"]))
+
+    def try_all(self, daemon, scene, change, operations=None):
+        """The documented request of each operation, changed: to one Ask, to several, or to None where the situation does not concern it."""
+        for operation in operations or self.contract.operations:
+            changed = change(scene, operation, scene.ask(operation))
+            for ask in [changed] if isinstance(changed, Ask) else changed or ():
+                self.note(operation, ask, send(daemon, ask))
+
+    def missing(self):
+        for operation in self.contract.operations:
+            for pair in sorted(set(documented(operation)) - self.seen[operation.name]):
+                yield operation, *pair
+
+
+# --- what is done to a request that would be right --------------------------------------------------------------------------
+
+
+def as_it_is(scene, operation, ask):
+    scene.fill()
+    return ask
+
+
+def twice(scene, operation, ask):
+    """Of uploads: new, and the same again."""
+    if operation.success != 200 or operation.response(201) is None:
+        return None
+    for kind in ("meshes", "nurbs", "subdivisions"):
+        for item in scene.must("GET", f"/v1/{kind}").json[kind]:
+            scene.must("DELETE", f"/v1/{kind}/{item['name']}")
+    if "queries" in operation.tags or "fields" in operation.path:
+        scene.put_surfaces()
+    return [ask, ask]
+
+
+def absent(scene, operation, ask):
+    """Names and ids of nothing."""
+    if "{id}" in operation.path:
+        return [ask._replace(target=ask.target.replace(scene.field, "0" * 32)), ask._replace(target=ask.target.replace(scene.field, "x"))]
+    if "{job}" in operation.path:
+        return ask._replace(target=ask.target.replace(scene.job, "0" * 24))
+    if "{name}" in operation.path and not is_upload(operation):
+        parts = ask.target.split("/")
+        name, mark, query = parts[3].partition("?")
+        return ask._replace(target="/".join([*parts[:3], "no-such" + mark + query, *parts[4:]]))
+    return None
+
+
+def oversized(scene, operation, ask):
+    """A body that is announced, and never sent."""
+    return ask.plus(Content_Length=str(1 << 50))._replace(body=None) if operation.body else None
+
+
+def misplaced(scene, operation, ask):
+    """Places that are not on the surface."""
+    if not operation.body:
+        return ask._replace(target=ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2"))
+    if operation.name.startswith(("put_", "create_")) and operation.name != "create_field":
+        return [ask.plus(b"nothing of the kind"), ask.plus(dumps({**json.loads(ask.body), "knotsU": [1, 0, 0, 1]})), ask.plus(b"")]
+    if ask.headers["Content-Type"] != JSON["Content-Type"]:
+        return None
+    whole = json.loads(ask.body)
+    return [ask.plus(dumps(points_replaced(whole, {"xyz": [9, 9, 9], "max_snap": 1e-3}))), ask.plus(dumps(moved(whole)))]
+
+
+def moved(value):
+    """Parameters outside of any domain."""
+    if isinstance(value, dict):
+        return {key: [9, 9] if key in ("uv", "a", "b", "point", "from", "to") and numbers(item) else moved(item) for key, item in value.items()}
+    if numbers(value) and len(value) == 2:
+        return [9, 9]
+    return [moved(item) for item in value] if isinstance(value, list) else value
+
+
+def numbers(value):
+    return isinstance(value, list) and value != [] and all(isinstance(item, (int, float)) for item in value)
+
+
+PLAIN = {
+    "as it is": as_it_is,
+    "uploads": twice,
+    "another parameter": lambda scene, operation, ask: ask.plus(query="no_such=1"),
+    "a foreign host": lambda scene, operation, ask: ask.plus(Host="evil.example"),
+    "nothing of that name": absent,
+    "a media type that there is not": lambda scene, operation, ask: ask.plus(Accept="image/x-nothing"),
+    "no body": lambda scene, operation, ask: ask._replace(body=None) if operation.body else None,
+    "another version": lambda scene, operation, ask: ask.plus(If_Match='"00000000000000000000000000000000"'),
+    "not this version": lambda scene, operation, ask: ask.plus(If_None_Match="*"),
+    "a body that is too large": oversized,
+    "a coding that there is not": lambda scene, operation, ask: ask.plus(Content_Encoding="br") if operation.body else None,
+    "a body of another kind": lambda scene, operation, ask: ask.plus(Content_Type="text/nonsense") if operation.body else None,
+    "as a job": lambda scene, operation, ask: ask.plus(Prefer="respond-async"),
+    "places outside": misplaced,
+}
+
+
+# --- what the daemon is like ------------------------------------------------------------------------------------------------
+
+
+def asking(scene, operation, ask):
+    """What leaves surfaces and jobs as they are."""
+    return None if operation.method == "delete" or is_upload(operation) or operation.path.startswith("/v1/jobs") else ask
+
+
+def uploading(scene, operation, ask):
+    """Something large."""
+    return ask.plus(large(operation)) if is_upload(operation) else None
+
+
+def is_upload(operation):
+    return operation.name.startswith(("put_", "create_")) and operation.name != "create_field"
+
+
+def large(operation):
+    if "nurbs" in operation.path:
+        return dumps(bumps(250, 250, 0.1, 1))
+    return sample("icosphere", level=5 if "subdivisions" in operation.path else 6)
+
+
+def removing(scene, operation, ask):
+    return ask if operation.method == "delete" else None
+
+
+def try_plain(found):
+    with Daemon() as daemon:
+        scene = Scene(daemon, found.contract)
+        for change in PLAIN.values():
+            for operation in found.contract.operations:
+                scene.fill()
+                found.try_all(daemon, scene, change, [operation])
+        try_conflicts(found, daemon, scene)
+        try_degenerate(found, daemon, scene)
+        scene.fill()
+        for number in range(1100):  # more than a mesh's catalogue remembers
+            scene.must("POST", "/v1/meshes/tetrahedron/fields", dumps({"set": {"points": [{"edge": [0, 1], "t": number / 2000}]}}), JSON)
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask if "{id}" in operation.path else None)
+
+
+def try_conflicts(found, daemon, scene):
+    """A job that has not ended has no answer; what one holds is answered with its status; pieces don't take the place of their mesh."""
+    result, cut, events, isolines = (scene.by_name[name] for name in ("get_job_result", "post_cut", "get_job_events", "get_isolines"))
+    scene.fill()
+    daemon.put("tetrahedron-1", TETRAHEDRON)
+    unnamed = {key: value for key, value in json.loads(scene.ask(cut).body).items() if key != "names"}
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(dumps(unnamed)), [cut])
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=scene.path(operation) + "?count=1000&tolerance=1e-9"), [isolines])
+    daemon.put("ball", sample("icosphere", level=5))
+    hog = scene.start_job("/v1/meshes/ball/farthest-points", {"count": 10000})
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask._replace(target=f"/v1/jobs/{hog}/result"), [result])
+    scene.must("DELETE", f"/v1/jobs/{hog}")
+    scene.must("DELETE", "/v1/meshes/tetrahedron")
+    put = scene.ask(scene.by_name["put_mesh"])
+    scene.job = scene.end_of_job(send(daemon, put.plus(Prefer="respond-async")))
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask, [result])
+    found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(Last_Event_ID="done"), [events])
+
+
+def try_degenerate(found, daemon, scene):
+    """Surfaces that can be evaluated, and have parts without area: five squares and a line; two strips and a line."""
+    squares = [[[3 * i + x, y, 0] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))] for i in range(5)] + [[[x, 9, 0] for x in range(4)]]
+    control = {"points": sum(squares, []), "faceVertexCounts": [4] * 6, "faceVertexIndices": list(range(24))}
+    strips = {"degreeU": 1, "degreeV": 1, "knotsU": [0, 0, 1, 2, 2], "knotsV": [0, 0, 1, 1],
+              "controlPoints": [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]], [[1, 0, 0], [1, 1, 0]]]}
+    for kind, name, document in (("subdivisions", "cube", control), ("nurbs", "sheet", strips)):
+        scene.must("PUT", f"/v1/{kind}/{name}", dumps(document), JSON)
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask if f"/{kind}/{{name}}/" in operation.path else None)
+
+
+def try_keys(found, place):
+    """Nobody, who may only read, and who asks too often."""
+    keys = pathlib.Path(place) / "keys"
+    keys.write_text(line("writer", "role=write") + line("reader") + line("hasty", "role=write rate=1"))
+    with Daemon("--keys", str(keys)) as daemon:
+        scene = Scene(daemon, found.contract, **bearer("writer")).fill()
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(Authorization=None))
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(**bearer("reader")))
+        scene.fill()
+        hasty = bearer("hasty")
+        for _ in range(3):
+            daemon.request("GET", "/v1", headers=hasty)
+        found.try_all(daemon, scene, lambda scene, operation, ask: [ask.plus(**hasty), ask.plus(**hasty)])
+
+
+@contextlib.contextmanager
+def hogged(daemon, scene, count):
+    """While jobs keep the only worker, and stand in its queue."""
+    daemon.put("ball", sample("icosphere", level=5))
+    jobs = []
+    for number in range(count):
+        jobs.append(scene.start_job("/v1/meshes/ball/farthest-points", {"count": 10000 - number}))
+        daemon.wait_for("workers_busy")
+    yield
+    for job in jobs:
+        scene.must("DELETE", f"/v1/jobs/{job}")
+
+
+def store_large(place):
+    """A data folder with large surfaces under the names that are asked about. `sheet` is the largest and the most used."""
+    folder, ball = pathlib.Path(place) / "data", sample("icosphere", level=6)
+    with Daemon("--data-dir", str(folder)) as daemon:
+        for name in ("tetrahedron", *MESH_OF.values()):
+            assert daemon.put(name, ball).status == 201
+        assert daemon.request("PUT", "/v1/subdivisions/cube?scheme=loop", sample("icosphere", level=5)).status == 201
+        assert daemon.request("PUT", "/v1/nurbs/sheet", dumps(bumps(250, 250, 0.1, 1)), JSON).status == 201
+        for _ in range(500):
+            assert daemon.request("POST", "/v1/nurbs/sheet/evaluate", b'{"uv": [[0, 0]]}', JSON).status == 200
+    return folder
+
+
+# After a start the most used surfaces are loaded unasked, until one would take a third of the memory: here that is the first.
+ASLEEP = ("--memory-budget", "140MiB", "--max-body", "64MiB", "--landmarks", "0")
+
+
+def try_overload(found, folder):
+    with Daemon("--data-dir", str(folder), "--workers", "1", "--queue-length", "1", *ASLEEP) as daemon:
+        scene = Scene(daemon, found.contract).pretend()
+        with hogged(daemon, scene, 2):
+            found.try_all(daemon, scene, lambda scene, operation, ask: asking(scene, operation, ask) or uploading(scene, operation, ask))
+
+
+def await_calm(daemon):
+    """Until no more requests come to wait."""
+    waiting = None
+    while waiting != (waiting := daemon.metric("requests_deferred")):
+        time.sleep(0.3)
+
+
+def try_drain(found, folder):
+    """All wait for the worker when the time to drain is over."""
+    with Daemon("--data-dir", str(folder), "--workers", "1", "--drain-ms", "100", *ASLEEP) as daemon:
+        scene = Scene(daemon, found.contract).pretend()
+        answers = []
+        with contextlib.suppress(OSError), hogged(daemon, scene, 1):
+            def ask(operation):
+                request = scene.ask(operation)
+                with contextlib.suppress(OSError):
+                    answers.append((operation, request, send(daemon, request)))
+            threads = [threading.Thread(target=ask, args=[operation]) for operation in found.contract.operations if operation.method != "delete"]
+            for thread in threads:
+                thread.start()
+            await_calm(daemon)
+            daemon.terminate()
+            for thread in threads:
+                thread.join(FEW_SECONDS)
+        for each in answers:
+            found.note(*each)
+
+
+def try_haste(found, folder):
+    """A millisecond for what takes many."""
+    with Daemon("--data-dir", str(folder), "--timeout-ms", "1", *ASLEEP) as daemon:
+        scene = Scene(daemon, found.contract).pretend()
+        found.try_all(daemon, scene, asking)
+        found.try_all(daemon, scene, uploading)
+
+
+def try_scarcity(found, folder):
+    with Daemon("--data-dir", str(folder), "--memory-budget", "16MiB", "--max-body", "16MiB", "--landmarks", "0") as daemon:
+        scene = Scene(daemon, found.contract).pretend()
+        found.try_all(daemon, scene, asking)
+        found.try_all(daemon, scene, uploading)
+
+
+def try_damage(found, folder):
+    for path in folder.glob("objects/*/*"):
+        content = bytearray(path.read_bytes())
+        content[len(content) // 2] ^= 1
+        path.write_bytes(content)
+    with Daemon("--data-dir", str(folder)) as daemon:
+        found.try_all(daemon, Scene(daemon, found.contract).pretend(), asking)
+
+
+def try_refusing_store(found, folder):
+    """From the first write on that fails: files may have no more than ten bytes."""
+    with Daemon("--data-dir", str(folder)) as daemon:
+        scene = Scene(daemon, found.contract).fill()
+        resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (10, 10))
+        for change in (uploading, removing, asking):
+            found.try_all(daemon, scene, change)
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask.plus(ask.body.replace(b"-mesh", b"-other").replace(b"base", b"bottom"))
+                      if operation.name in ("post_cut", "post_nurbs_tessellate", "post_subdivision_discretize") else None)
+
+
+def try_late_removals(found, place):
+    """So many at once that the store's writer has no time for the last within a millisecond."""
+    operations = [each for each in found.contract.operations if each.method == "delete" and 504 in each.codes]
+    names = [f"n{number}" for number in range(100)]
+    folder = pathlib.Path(place) / "many"
+    with Daemon("--data-dir", str(folder)) as daemon:
+        scene = Scene(daemon, found.contract)
+        for operation in operations:
+            for name in names:
+                put = found.contract.by_place[operation.path, "put"]
+                scene.must("PUT", operation.path.replace("{name}", name), scene.shown_body(put.name), JSON)
+    with Daemon("--data-dir", str(folder), "--timeout-ms", "1") as daemon:
+        for operation in operations:
+            asks = [Ask("DELETE", operation.path.replace("{name}", name), None, {}) for name in names]
+            for ask, answer in zip(asks, all_at_once(daemon, asks)):
+                found.note(operation, ask, answer)
+
+
+def all_at_once(daemon, asks):
+    """The answers to requests that are sent before any is waited for."""
+    connections = [daemon.connect() for _ in asks]
+    for connection in connections:
+        connection.connect()
+    for connection, ask in zip(connections, asks):
+        connection.request(ask.method, ask.target, ask.body, ask.headers)
+    for connection in connections:
+        response = connection.getresponse()
+        yield Answer(response.status, response.headers, response.read())
+        connection.close()
+
+
+def try_failing_memory(found, place):
+    """Each allocation of a request fails once, until all operations have told of it that would."""
+    library = build_shim("alloc_preload", place)
+    file = pathlib.Path(place) / "control"
+    control = open_control(file)
+    with Shimmed(pathlib.Path(place) / "failing", library=library, environment={"ALLOC_CONTROL": str(file)}) as daemon:
+        scene = Scene(daemon, found.contract).fill()
+        for operation in [each for each in found.contract.operations if (507, "insufficient_memory") in set(documented(each)) - found.seen[each.name]]:
+            fail_in_turn(found, daemon, control, operation, scene.ask(operation))
+
+
+def fail_in_turn(found, daemon, control, operation, ask):
+    control.forget()
+    for _ in range(500):
+        control.failures, control.order = 0, FRESH
+        with contextlib.suppress(OSError, http.client.HTTPException):
+            found.note(operation, ask, send(daemon, ask))
+        if not control.failures or (507, "insufficient_memory") in found.seen[operation.name]:
+            break
+    control.order = FINE

@@ -1,0 +1,157 @@
+"""The contract's examples against the daemon: each documented request works as it stands, and is answered as documented.
+
+A new operation takes part when its parameters and its body have examples (contract_scene.py tells on what they have to work).
+"""
+import json
+import unittest
+
+import contract
+from contract_scene import Scene, send
+from harness import TestCase
+
+# Differ from one time to the next, or from one machine to another.
+VOLATILE = {"created", "build_ms", "bytes", "memory_bytes", "fields_cached", "id", "etag"}
+CLOSE = 1e-12
+# Whose answers tell of the daemon, or show another name or state.
+NOT_REPEATED = {"get_service", "create_mesh", "create_nurbs", "create_subdivision", "list_jobs", "get_job", "get_readyz"}
+
+
+def differences(shown, answered, place=""):
+    """Where an answer is another than the one that the contract shows."""
+    if isinstance(shown, dict) and isinstance(answered, dict):
+        for key in sorted(shown.keys() | answered.keys()):
+            if key not in shown or key not in answered:
+                yield f"{place}/{key}: only {'in the answer' if key in answered else 'in the contract'}"
+            elif key not in VOLATILE:
+                yield from differences(shown[key], answered[key], f"{place}/{key}")
+    elif isinstance(shown, list) and isinstance(answered, list) and len(shown) == len(answered):
+        for index, pair in enumerate(zip(shown, answered)):
+            yield from differences(*pair, f"{place}/{index}")
+    elif isinstance(shown, (int, float)) and isinstance(answered, (int, float)) and not isinstance(shown, bool):
+        if abs(shown - answered) > CLOSE:
+            yield f"{place}: {shown} in the contract, {answered} in the answer"
+    elif shown != answered:
+        yield f"{place}: {str(shown)[:100]} in the contract, {str(answered)[:100]} in the answer"
+
+
+class Examples(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.contract = contract.load()
+        cls.scene = Scene(cls.daemon, cls.contract)
+
+    def each(self, check):
+        """Checks each operation, with all there that it asks about."""
+        for operation in self.contract.operations:
+            with self.subTest(operation=operation.name):
+                self.scene.fill()
+                check(operation)
+
+    def right(self, operation, ask):
+        """The answer, which is a success, and as documented."""
+        answer = send(self.daemon, ask)
+        self.assertIn(answer.status, (200, 201, 204), f"{ask}: {answer}")
+        self.assertEqual(self.contract.faults(ask.method, ask.target, answer), [])
+        return answer
+
+    def test_every_operation_has_what_a_request_takes(self):
+        def check(operation):
+            if operation.body:
+                self.assertTrue(list(operation.examples(self.contract.document)), f"give the request body of {operation} an example")
+            for parameter in operation.parameters:
+                if parameter.get("required"):
+                    self.assertIn("example", parameter, f"give the parameter {parameter['name']} of {operation} an example")
+
+        self.each(check)
+
+    def test_documented_requests_work(self):
+        self.each(lambda operation: [self.right(operation, ask) for ask in self.scene.asks(operation)])
+
+    def test_documented_answers_are_given(self):
+        def check(operation):
+            if operation.name in NOT_REPEATED or operation.method == "delete":
+                return
+            answer = self.right(operation, self.scene.ask(operation, optional=False))
+            for shown in self.contract.shown_answers(operation, answer):
+                self.assertEqual(list(differences(shown, answer.json)), [])
+
+        self.each(check)
+
+    def test_examples_fit(self):
+        faults = [fault for operation in self.contract.operations for fault in self.contract.faults_of_examples(operation)]
+        self.assertEqual(faults, [])
+
+    def test_every_media_type_can_be_had(self):
+        def check(operation):
+            if operation.method in ("delete", "head"):
+                return
+            for kind in operation.response(operation.success)["content"]:
+                if kind != "*/*":
+                    answer = self.right(operation, self.scene.ask(operation).plus(Accept=kind))
+                    self.assertEqual(answer.headers["Content-Type"].partition(";")[0], kind)
+
+        self.each(check)
+
+    def test_every_field_can_be_asked_for(self):
+        """`fields` takes the names that are listed, one by one, and no other; `geometry` its words."""
+        def check(operation):
+            for name in ("fields", "geometry"):
+                for word in operation.words(name):
+                    self.right(operation, self.scene.ask(operation).plus(query=f"{name}={word}"))
+                if operation.words(name):
+                    ask = self.scene.ask(operation).plus(query=f"{name}=no_such")
+                    self.assertEqual(send(self.daemon, ask).status, 400, ask)
+
+        self.each(check)
+
+    def test_it_is_what_the_daemon_publishes(self):
+        published = self.daemon.get("/openapi.json").json
+        own = json.loads(json.dumps(self.contract.document))
+        self.assertEqual(published["components"], own["components"])
+        self.assertEqual(published["info"], own["info"])
+        for path, item in own["paths"].items():
+            for method in contract.METHODS:
+                if method in item:
+                    item[method].pop("x-handler", None)
+                    item[method]["security"] = published["paths"][path][method].get("security")
+        self.assertEqual(published["paths"], own["paths"])
+
+
+class Checker(unittest.TestCase):
+    """It sees what it is there to see: an answer that is right by the document is wrong by one that differs a little."""
+
+    ANSWER = b'{"distance":1,"from":{"face":0,"barycentric":[1,0,0],"xyz":[0,0,0],"vertex":0}}'
+
+    class Answer:
+        status, headers, body = 200, {"Content-Type": "application/json", "ETag": '"x"'}, b""
+        json = property(lambda self: json.loads(self.body))
+
+    def faults(self, change=lambda document: None, body=ANSWER, status=200, headers=()):
+        document = json.loads(json.dumps(contract.load().document))
+        change(document)
+        answer = self.Answer()
+        answer.status, answer.body, answer.headers = status, body, {**self.Answer.headers, **dict(headers)}
+        return contract.Contract(document).faults("GET", "/v1/meshes/x/distance?from=v:0&to=v:1", answer)
+
+    def test_what_is_right(self):
+        self.assertEqual(self.faults(), [])
+
+    def test_a_field_that_is_not_documented(self):
+        self.assertRegex(self.faults(body=b'{"distance":1,"colour":2}')[0], "colour")
+        self.assertRegex(self.faults(lambda document: document["components"]["schemas"]["PointAnswer"]["properties"].pop("vertex"))[0], "vertex")
+
+    def test_a_type(self):
+        self.assertRegex(self.faults(body=b'{"distance":"1"}')[0], "/distance")
+
+    def test_a_status(self):
+        self.assertRegex(self.faults(status=299)[0], "status")
+
+    def test_a_code(self):
+        problem = {"type": "urn:geodesicd:problem:conflict", "title": "Conflict", "status": 400, "detail": "x", "code": "conflict"}
+        self.assertRegex(self.faults(status=400, body=json.dumps(problem).encode(), headers={"Content-Type": "application/problem+json", "ETag": None}.items())[-1],
+                         "conflict")
+
+    def test_headers(self):
+        self.assertRegex(self.faults(headers={"X-Colour": "red"}.items())[0], "x-colour")
+        self.assertRegex(self.faults(headers={"Content-Type": "text/html"}.items())[0], "text/html")

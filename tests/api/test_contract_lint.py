@@ -1,0 +1,33 @@
+"""The contract by the rules of a linter that others wrote.
+
+It is an npm package: `make contract-linter` installs it below the build's directory. Without it, or without node, this is skipped.
+"""
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import contract
+from harness import PROGRAM
+
+LINTER = PROGRAM.parent / "linter"
+SCRIPT = pathlib.Path(__file__).with_name("contract_lint.mjs")
+
+
+@unittest.skipUnless(shutil.which("node") and (LINTER / "complete").exists(), "needs node and `make contract-linter`")
+class Lint(unittest.TestCase):
+    def lint(self, document):
+        done = subprocess.run(["node", SCRIPT, LINTER / "node_modules", document], capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout
+
+    def test_no_fault_is_found(self):
+        self.assertEqual(self.lint(contract.DOCUMENT), "")
+
+    def test_a_fault_is_found(self):
+        """A description of a flow mapping that ends at its comma, as YAML has it."""
+        text = contract.DOCUMENT.read_text(encoding="utf-8")
+        with tempfile.TemporaryDirectory() as place:
+            wrong = pathlib.Path(place) / "openapi.yaml"
+            wrong.write_text(text.replace("{description: 'It is gone, and so are its wedges.'}", "{description: It is gone, and so are its wedges.}"))
+            self.assertIn("and so are its wedges", self.lint(wrong))
