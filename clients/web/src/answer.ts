@@ -17,6 +17,8 @@ export class Answer {
   private readonly error = byId("error");
   private readonly progress = byId("progress");
   private readonly request = byId("request");
+  /** On phones the number that was asked for stands in the picture, too. */
+  private readonly readout = byId("readout");
   private requests: Request[] = [];
   private readonly copyButton = button("Copy as curl", () => void this.copy(), { "aria-keyshortcuts": "c" });
   private readonly code = make("code");
@@ -35,16 +37,19 @@ export class Answer {
       make("dd", { ...(main && { class: "main" }), title }, value),
     ]);
     this.body.replaceChildren(make("dl", {}, ...rows), ...more);
+    this.readout.textContent = facts.find(({ main }) => main)?.value ?? "";
   }
 
   fail(error: unknown): void {
     this.error.textContent = error instanceof Error ? error.message : String(error);
     this.body.replaceChildren();
+    this.readout.textContent = "";
   }
 
   clear(): void {
     this.error.textContent = "";
     this.body.replaceChildren();
+    this.readout.textContent = "";
     this.showRequests([]);
   }
 
@@ -71,15 +76,20 @@ export class Answer {
     setTimeout(() => (this.copyButton.textContent = "Copy as curl"), 2000);
   }
 
-  /** A bar with a way to cancel, until `hideProgress`. */
-  showProgress(label: string, part: number, cancel: () => void): void {
+  /** A bar with a way to cancel, until `hideProgress`; `part` is null while nobody knows how far it is. */
+  showProgress(label: string, part: number | null, cancel: () => void): void {
     if (this.progress.hidden) {
       const bar = make("progress", { max: 1, "aria-label": "Progress" });
       this.progress.replaceChildren(make("span"), bar, button("Cancel", cancel));
       this.progress.hidden = false;
     }
-    this.progress.querySelector("span")!.textContent = `${label}, ${Math.floor(part * 100)} %`;
-    this.progress.querySelector("progress")!.value = part;
+    this.progress.querySelector("span")!.textContent = part === null ? label : `${label}, ${Math.floor(part * 100)} %`;
+    if (part === null) this.progress.querySelector("progress")!.removeAttribute("value");
+    else this.progress.querySelector("progress")!.value = part;
+  }
+
+  get showsProgress(): boolean {
+    return !this.progress.hidden;
   }
 
   hideProgress(): void {

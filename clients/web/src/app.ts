@@ -23,6 +23,7 @@ import { Units } from "./units.ts";
 import { type Description, upload } from "./upload.ts";
 
 const STARTING_FACES = 300000; /* a larger mesh is not opened unasked */
+const PATIENCE = 700; /* milliseconds until the user is told that an answer takes long */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
 
 /** Where the first points of a surface lie: on a ring about the middle of the picture, and nearer to it where the surface is not seen there. */
@@ -139,6 +140,7 @@ export class App {
       this.showSurface(surface, parameters);
     } catch (error) {
       this.fail(error);
+      byId("start").hidden = this.bench.surface !== undefined;
     }
     this.loads--;
     this.say("");
@@ -260,8 +262,12 @@ export class App {
     this.tell();
     this.writeState();
     if (live && !this.mode.followsDrag) return;
-    this.bench.abortJob();
+    this.bench.makeWay(live);
     this.asker.put(live);
+  }
+
+  private showWaiting(): void {
+    if (!this.answer.showsProgress) this.answer.showProgress("Waiting for the answer", null, () => this.bench.abort());
   }
 
   private showHandles(): void {
@@ -274,6 +280,7 @@ export class App {
     if (!bench.surface || bench.surface.kind !== mode.kind) return;
     if (!points.complete) return mode.clear();
     bench.begin();
+    const waiting = setTimeout(() => this.showWaiting(), PATIENCE);
     try {
       await mode.ask(live);
       if (live) this.rate.count();
@@ -281,6 +288,7 @@ export class App {
       if (!isAbort(error)) mode.clear();
       this.fail(error);
     }
+    clearTimeout(waiting);
     bench.end();
     this.showHandles();
     this.tell();

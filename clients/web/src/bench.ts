@@ -11,6 +11,7 @@ import type { Units } from "./units.ts";
 
 /** From so many faces on what takes long is a job, with progress and a way to cancel. */
 const JOB_FACES = 20000;
+const SLOW = 300; /* milliseconds after which a question is dropped for a newer one */
 
 export interface Display {
   ramp: string;
@@ -29,6 +30,7 @@ export class Bench {
   private requests: Request[] = [];
   private running: AbortController | undefined;
   private isJob = false;
+  private begun = 0;
 
   constructor(
     readonly api: Api,
@@ -60,6 +62,7 @@ export class Bench {
     this.running = new AbortController();
     this.requests = [];
     this.isJob = false;
+    this.begun = performance.now();
   }
 
   /** Ends it: the requests that it made are shown. */
@@ -78,9 +81,9 @@ export class Bench {
     this.running?.abort();
   }
 
-  /** A job is not waited for when something newer is asked. */
-  abortJob(): void {
-    if (this.isJob) this.abort();
+  /** Makes way for something newer: a job is not waited for, nor what takes long while nothing is dragged. */
+  makeWay(live: boolean): void {
+    if (this.isJob || (!live && performance.now() - this.begun > SLOW)) this.abort();
   }
 
   get aborted(): boolean {
@@ -114,9 +117,9 @@ export class Bench {
     return this.timed(request, () => this.api.fetch(request, this.running?.signal));
   }
 
-  /** A question that may take long; on large surfaces a job. */
-  async postLong<T>(query: string, json: unknown, parameters?: Record<string, string>): Promise<T> {
-    if (this.surface!.faceCount < JOB_FACES) return this.post(query, json, parameters);
+  /** A question that may take long; from so many faces on a job. */
+  async postLong<T>(query: string, json: unknown, parameters?: Record<string, string>, faces = JOB_FACES): Promise<T> {
+    if (this.surface!.faceCount < faces) return this.post(query, json, parameters);
     const request: Request = { method: "POST", path: `${this.surface!.path}/${query}`, query: parameters, json };
     this.isJob = true;
     const running = this.running!;

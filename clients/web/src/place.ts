@@ -8,6 +8,8 @@ export interface Place {
   barycentric: Vec3;
   /** In the file's unit. */
   xyz: Vec3;
+  /** The daemon knows the faces of this surface otherwise than its file tells them, so the point is told by its coordinates. */
+  isFree?: boolean;
 }
 
 /** Six digits are finer than any screen; the last weight makes the sum 1. */
@@ -16,13 +18,20 @@ export function rounded(barycentric: Vec3): Vec3 {
   return [a, b, Math.max(0, Number((1 - a - b).toFixed(6)))];
 }
 
-export const pointOf = (place: Place): Point => ({ face: place.face, barycentric: place.barycentric });
+export const pointOf = ({ face, barycentric, xyz, isFree }: Place): Point => (isFree ? { xyz } : { face, barycentric });
 
 /** As in the query string of the API: `f:34:0.2,0.3,0.5`. */
-export const compactOf = (place: Place): string => `f:${place.face}:${place.barycentric.join(",")}`;
+export const compactOf = ({ face, barycentric, xyz, isFree }: Place): string => (isFree ? `p:${xyz.join(",")}` : `f:${face}:${barycentric.join(",")}`);
 
-export function placeOf(answer: PointAnswer): Place {
-  return { face: answer.face!, barycentric: answer.barycentric as Vec3, xyz: answer.xyz as Vec3 };
+/** What the daemon says of a point. */
+export function placeOf(answer: PointAnswer, isFree: boolean): Place {
+  return { face: answer.face!, barycentric: answer.barycentric as Vec3, xyz: answer.xyz as Vec3, isFree };
+}
+
+/** The coordinates of a compact point of space, or null. */
+export function parseXyz(text: string): Vec3 | null {
+  const numbers = /^p:(.*)$/.exec(text.trim())?.[1]?.split(",").map(Number) ?? [];
+  return numbers.length === 3 && numbers.every(Number.isFinite) ? (numbers as Vec3) : null;
 }
 
 /** The face and weights of a compact point of that form, or null. */

@@ -46,7 +46,7 @@ export class PointList {
   private async place(text: string): Promise<Mark["place"] | null> {
     const { api, answer, bench } = this.app;
     try {
-      return placeOf(await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }));
+      return placeOf(await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }), bench.surface!.isRenumbered);
     } catch (error) {
       answer.fail(error);
       return null;

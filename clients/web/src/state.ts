@@ -13,7 +13,7 @@ export class State {
     this.timer = setTimeout(() => {
       const entries = Object.entries(read()).map(([name, value]) => `${name}=${encoded(value)}`);
       history.replaceState(null, "", `#${entries.join("&")}`);
-    }, 150);
+    }, 250);
   }
 }
 

@@ -2,7 +2,7 @@
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { Bvh } from "./bvh.ts";
-import { parseCompact, type Place, rounded } from "./place.ts";
+import { parseCompact, parseXyz, type Place, rounded } from "./place.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
 
@@ -102,11 +102,20 @@ export class Surface {
     const barycentric = rounded(weights);
     const corners = [this.corner(face, 0), this.corner(face, 1), this.corner(face, 2)];
     const along = (axis: number): number => corners.reduce((sum, p, i) => sum + barycentric[i]! * p[axis]!, 0);
-    return { face, barycentric, xyz: [along(0), along(1), along(2)] };
+    return { face, barycentric, xyz: [along(0), along(1), along(2)], isFree: this.isRenumbered };
   }
 
-  /** The place of a compact point in a face of this surface, or null. */
+  /** Whether the daemon knows faces otherwise than its files tell them: a repair leaves gaps in its numbers, and it counts the corners of a face that it has
+   * turned over as they were uploaded. */
+  get isRenumbered(): boolean {
+    const { duplicate_faces: doubles, degenerate_faces: flat, edges_flipped: flipped } = this.mesh.repair;
+    return doubles + flat + flipped + this.mesh.orientation.flipped_faces > 0;
+  }
+
+  /** The place of a compact point on this surface, or null. */
   parse(text: string): Place | null {
+    const xyz = this.isRenumbered ? parseXyz(text) : null;
+    if (xyz) return { face: 0, barycentric: [1, 0, 0], xyz, isFree: true };
     const point = parseCompact(text);
     return point && point.face < this.faceCount ? this.place(point.face, point.barycentric) : null;
   }

@@ -21,7 +21,12 @@ export class Units {
   }
 
   length(value: number, digits = 6): string {
-    return `${number(value * this.factor, digits)} ${this.name}`;
+    return `${this.bare(value, digits)} ${this.name}`;
+  }
+
+  /** The number only, where the unit stands elsewhere. */
+  bare(value: number, digits = 6): string {
+    return number(value * this.factor, digits);
   }
 
   area(value: number): string {

@@ -48,7 +48,7 @@ export class FieldMode extends Mode {
     const isolines = count > 0 ? await isolinesOf(bench, field.id!, count) : [];
     if (bench.aborted) return;
     this.show(field, values, polylinesOf(isolines));
-    if (settings.on("farthest") && field.farthest) await this.showWay(source, placeOf(field.farthest));
+    if (settings.on("farthest") && field.farthest) await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
     else bench.scene.lines.remove("way");
   }
 
@@ -58,7 +58,7 @@ export class FieldMode extends Mode {
     scene.skin!.showValues(values, max);
     scene.redraw();
     this.lines("isolines", isolines, INK.isoline, 1.2, 0);
-    legend.showRamp("Distance", display.ramp, max, (value) => units.length(value, 3));
+    legend.showRamp(`Distance, ${units.name}`, display.ramp, max, (value) => units.bare(value, 3));
     const spacing = max / (this.settings.number("isolines") + 1);
     answer.show([
       { label: "Farthest", value: units.length(max, 9), main: true, title: String(max) },

@@ -1,6 +1,6 @@
 // Many points, each with what is nearest to it: Voronoi cells, exact lines between them, distances to the set; and points that cover the surface evenly.
 
-import type { Field, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
+import type { Field, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
 import { button, make } from "../dom.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
@@ -43,7 +43,7 @@ export class SetMode extends Mode {
     const done = await bench.question(async () => {
       const body = { count: settings.number("count"), ...(start && { start: pointOf(start) }) };
       const answer = await bench.postLong<SamplingAnswer>("farthest-points", body);
-      bench.points.set("points", answer.points!.map((point) => placeOf(point as never)));
+      bench.points.set("points", answer.points!.map((point) => placeOf(point as PointAnswer, bench.surface!.isRenumbered)));
     });
     if (done) bench.points.onChange(false);
   }
@@ -89,6 +89,6 @@ export class SetMode extends Mode {
   private showDistance(field: Field, values: Float64Array): void {
     const { scene, legend, display, units } = this.bench;
     scene.skin!.showValues(values, field.max!);
-    legend.showRamp("Distance to the nearest point", display.ramp, field.max!, (value) => units.length(value, 3));
+    legend.showRamp(`Distance to the nearest point, ${units.name}`, display.ramp, field.max!, (value) => units.bare(value, 3));
   }
 }
