@@ -11,6 +11,7 @@ struct proto_asset {
     const char *path;       /* "/docs/index.html"; an index has entries "/docs" and "/docs/", too */
     const char *media_type; /* with charset where it is text */
     const char *etag;       /* value of the header, quotes included: from the SHA-256 of the bytes */
+    const char *policy;     /* value of Content-Security-Policy: what the file may load when it is shown as a page */
     const unsigned char *bytes;
     size_t size;
     const unsigned char *gzip; /* the same compressed; NULL when that is no smaller */

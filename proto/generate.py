@@ -38,6 +38,10 @@ MEDIA_TYPES = {
     ".woff2": "font/woff2",
 }
 
+# What a page may load: its own files; Swagger UI's style has its icons as data.
+PAGE_POLICY = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+POLICIES = {"/docs/": PAGE_POLICY + "; img-src 'self' data:"}
+
 
 # --- the document ---------------------------------------------------------------------------------------------------
 
@@ -282,6 +286,10 @@ def media_type(path):
     return MEDIA_TYPES[suffix]
 
 
+def policy(path):
+    return next((text for folder, text in POLICIES.items() if path.startswith(folder)), PAGE_POLICY)
+
+
 def aliases(path):
     """What a browser may ask for it: an index is its folder, with or without the slash."""
     folder = path.removesuffix("/index.html")
@@ -291,7 +299,7 @@ def aliases(path):
 def asset_rows(path, number, data, compressed):
     etag = '"' + hashlib.sha256(data).hexdigest()[:32] + '"'
     packed = f"gzip_{number}, {len(compressed)}" if compressed else "NULL, 0"
-    content = f"{c_string(media_type(path))}, {c_string(etag)}, bytes_{number}, {len(data)}, {packed}"
+    content = f"{c_string(media_type(path))}, {c_string(etag)}, {c_string(policy(path))}, bytes_{number}, {len(data)}, {packed}"
     for alias in aliases(path):
         yield f"    {{{c_string(alias)}, {content}}},"
 

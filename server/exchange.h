@@ -57,7 +57,7 @@ struct server_response {
     size_t size;
     struct server_stream *stream; /* instead of a body: one that comes as it happens (events.h); NULL: none */
     bool close;                   /* the connection ends with this answer */
-    bool is_viewer;               /* it is a file of the page at / */
+    const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */
     uint32_t header_count;
     struct server_response_header headers[SERVER_RESPONSE_HEADERS]; /* what is not counted is not initialized */
 };

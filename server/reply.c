@@ -17,8 +17,7 @@
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                                                \
     "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
-#define VIEWER_SECURITY "default-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
-#define DATA_SECURITY   "default-src 'none'; frame-ancestors 'none'" /* shown as a document, data loads nothing */
+#define DATA_POLICY "default-src 'none'; frame-ancestors 'none'" /* shown as a document, data loads nothing */
 
 static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
                      void *owned, size_t size)
@@ -164,7 +163,7 @@ void server_reply_asset(struct server_exchange *exchange, const struct proto_ass
     add_header(&exchange->response, "Vary", "Accept-Encoding");
     add_header(&exchange->response, "Referrer-Policy", "no-referrer");
     add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
-    exchange->response.is_viewer = true;
+    exchange->response.policy = asset->policy;
     if (asset->gzip && server_reply_takes_gzip(exchange)) {
         add_header(&exchange->response, "Content-Encoding", "gzip");
         set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
@@ -238,9 +237,10 @@ static void apply_conditions(struct server_exchange *exchange)
     }
 }
 
+/* PNG is packed already. */
 static bool is_packable(const struct server_response *response)
 {
-    return response->owned && response->size >= GZIP_FROM;
+    return response->owned && response->size >= GZIP_FROM && strcmp(response->media_type, "image/png") != 0;
 }
 
 static void compress(struct server_exchange *exchange)
@@ -277,7 +277,7 @@ void server_reply_seal(struct server_exchange *exchange)
     allow_origin(exchange);
     add_header(response, "X-Request-Id", exchange->request_id);
     add_header(response, "X-Content-Type-Options", "nosniff");
-    add_header(response, "Content-Security-Policy", response->is_viewer ? VIEWER_SECURITY : DATA_SECURITY);
+    add_header(response, "Content-Security-Policy", response->policy ? response->policy : DATA_POLICY);
     add_header(response, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
     if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
 }

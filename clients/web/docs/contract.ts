@@ -12,6 +12,7 @@ export interface Body {
 }
 
 export interface Operation {
+  tags: string[];
   requestBody?: Body | Reference;
 }
 

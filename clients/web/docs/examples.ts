@@ -14,14 +14,14 @@ async function send(contract: Contract, method: "put" | "post", path: string, he
   return answer;
 }
 
-/** Makes them, and writes the job's id, which can't be known before, into the contract. Returns the paths of what was made. */
+/** Makes them, and writes the ids that the daemon gave into the contract. Returns the paths of what was made. */
 export async function makeExamples(contract: Contract, key?: string): Promise<string[]> {
   const access: Headers = key ? { Authorization: `Bearer ${key}` } : {};
   const surfaces = Object.keys(contract.paths).filter((path) => /^\/v1\/[a-z]+\/\{name\}$/.test(path) && contract.paths[path]?.put);
   for (const path of surfaces) await send(contract, "put", path, access);
   const field = await send(contract, "post", FIELDS, access);
   const job = await send(contract, "post", FIELDS, { ...access, Prefer: "respond-async" });
-  const places = [field, job].map((answer) => answer.headers.get("Location") ?? "");
-  contract.components.parameters["JobId"]!.example = places[1]!.split("/").pop();
-  return [...surfaces.map((path) => examplePath(contract, path)), ...places];
+  const made = { FieldId: field.headers.get("Location")!, JobId: job.headers.get("Location")! };
+  for (const [name, place] of Object.entries(made)) contract.components.parameters[name]!.example = place.split("/").pop();
+  return [...surfaces.map((path) => examplePath(contract, path)), ...Object.values(made)];
 }

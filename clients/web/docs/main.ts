@@ -2,6 +2,7 @@
 import SwaggerUI from "swagger-ui-dist/swagger-ui-es-bundle.js";
 import type { Contract } from "./contract.ts";
 import { makeExamples } from "./examples.ts";
+import { keepMended } from "./mend.ts";
 import "./style.css";
 
 function element<Kind extends HTMLElement>(id: string): Kind {
@@ -14,11 +15,22 @@ function say(text: string): void {
   element("prepared").textContent = text;
 }
 
-/** Swagger UI fills in every example, and queries should be answered at once as long as nobody asks for a job. */
+/** The contract as it is shown: each operation once, and, since Swagger UI fills in every example, without one that asks for a job. */
 async function readContract(): Promise<Contract> {
   const contract = (await (await fetch("/openapi.json")).json()) as Contract;
   delete contract.components.parameters["Prefer"]!.example;
+  for (const item of Object.values(contract.paths)) {
+    for (const operation of [item.put, item.post]) operation?.tags.splice(1);
+  }
   return contract;
+}
+
+/** Swagger UI is dark by a class of the document. */
+function followSystem(): void {
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const follow = (): unknown => document.documentElement.classList.toggle("dark-mode", system.matches);
+  system.addEventListener("change", follow);
+  follow();
 }
 
 async function show(): Promise<void> {
@@ -31,8 +43,10 @@ async function show(): Promise<void> {
     displayRequestDuration: true,
     docExpansion: "list",
     tryItOutEnabled: true,
+    syntaxHighlight: { theme: "monokai" },
     validatorUrl: null,
   });
+  keepMended(element("operations"));
   const button = element<HTMLButtonElement>("prepare");
   button.addEventListener("click", async () => {
     button.disabled = true;
@@ -47,4 +61,5 @@ async function show(): Promise<void> {
   });
 }
 
+followSystem();
 show().catch((error: Error) => say(`The page could not be made: ${error.message}`));
