@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-RANK = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "query": 4, "transport": 5, "render": 5, "cut": 6, "subdiv": 6, "nurbs": 6}
+RANK = {"base": 0, "mesh": 1, "io": 1, "wedge": 2, "field": 3, "line": 4, "query": 5, "transport": 6, "render": 6, "cut": 7, "subdiv": 7, "nurbs": 7}
 
 # public headers have the rank of the room that implements them
 PUBLIC = {

@@ -225,4 +225,8 @@
 #define GD_TOL_CUT_ANGLE 1e-3
 #define GD_TOL_CUT       1e-10
 
+/* A way that bounds a search is pulled tight until that makes it shorter by less than this part of its length: what is left of it, some times as much,
+ * makes the search wider by next to nothing. */
+#define GD_TOL_TETHER 1e-5
+
 #endif

@@ -5,10 +5,11 @@
 #include "base/share.h"
 #include "field/arrivals.h"
 #include "query/landmarks.h"
+#include "query/tether.h"
 
-/* A shortest path in a graph bounds the distance from above (wedge/guide.h). Windows are propagated in the surroundings of that path first, where they
- * find, mostly, the distance itself; with that bound they are propagated everywhere, which leaves little to do: a window goes on only if the way
- * through it, and on by the lower bounds of its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune fields, not pairs). */
+/* A path in a graph, pulled tight, is the shortest one on the surface or little longer, and bounds the distance from above (wedge/guide.h, query/tether.h). With
+ * that bound windows are propagated everywhere, which leaves little to do: a window goes on only if the way through it, and on by the lower bounds of
+ * its edge's ends, can be as short (Xin and Wang 2009; Qin et al. 2016 prune fields, not pairs). */
 
 struct search {
     const struct gd_mesh *mesh;
@@ -16,7 +17,8 @@ struct search {
     const struct gd_point *target;
     enum gd_pair_wish wish;
     struct gd_pair_answer *out;
-    double distance; /* of the last run, inside unit */
+    double bound;    /* of the run: what it finds is no longer */
+    double distance; /* that it found, inside unit */
 };
 
 /* The wavefront's arrays as a field; they stay the workspace's. */
@@ -34,7 +36,12 @@ static enum gd_status view(const struct search *search, const struct gd_workspac
     return gd__field_index_seeds(field);
 }
 
-/* A sink that keeps nothing: reads the distance, and the path of the last run. */
+static bool is_found(const struct search *search)
+{
+    return search->distance <= search->bound * (1 + GD_TOL_CHECK);
+}
+
+/* A sink that keeps nothing: reads the distance and the path. */
 static enum gd_status answer(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
 {
     (void)executor;
@@ -43,50 +50,51 @@ static enum gd_status answer(void *user, struct gd__wavefront *front, const stru
     enum gd_status status = view(search, front->work, &field);
     if (status) return status;
     search->distance = gd__field_leg(&field, search->target).distance;
-    if (search->out && search->wish) status = gd_field_path(&field, search->target, &search->out->path);
-    if (search->out && search->wish == GD_PAIR_PATH_AND_CUT && !status)
+    if (search->wish && is_found(search)) status = gd_field_path(&field, search->target, &search->out->path);
+    if (search->wish == GD_PAIR_PATH_AND_CUT && is_found(search) && !status)
         status = gd__field_path_is_cut(&field, &search->out->path, &search->out->is_cut);
     free(field.face_seeds);
     return status;
 }
 
-static enum gd_status run(struct search *search, struct gd__guide *guide, double bound, struct gd_pair_answer *out,
+static enum gd_status run(struct search *search, struct gd__guide *guide, double bound,
                           const struct gd_control *control)
 {
-    struct gd__propagation propagation = {.seeds = &search->seed, .seed_count = 1, .radius = bound, .guide = guide};
+    double rounding = guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
+    search->bound = bound + rounding; /* between points close together it is more than a part of their distance */
+    struct gd__propagation propagation = {
+        .seeds = &search->seed, .seed_count = 1, .radius = search->bound, .guide = guide};
     struct gd__sink sink = {.take = answer, .user = search};
-    search->out = out;
     return gd__wavefront_run(search->mesh, &propagation, &sink, control, NULL);
 }
 
-/* In the corridor, then everywhere: most of the time goes to the second run. */
-static enum gd_status run_both(struct search *search, struct gd__guide *guide, double upper, struct gd_pair_answer *out,
-                               const struct gd_control *control)
+/* `upper` bounds the distance surely. The tether's length does so but for the rounding of many faces laid flat: nothing is lost if that was too much. */
+static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
+                                  const struct gd_control *control)
 {
-    struct gd__share share = {.control = control, .total = 2};
-    enum gd_status status = gd__guide_mark_corridor(guide, &search->seed.point);
+    struct gd__share share = {
+        .control = control, .done = 2, .total = 4}; /* the guide was a half, the runs are a quarter each */
     struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
-    double rounding = guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
-    upper += rounding; /* between points close together it is more than a part of their distance */
-    guide->in_corridor_only = true;
-    if (!status) status = run(search, guide, upper, NULL, &own);
-    guide->in_corridor_only = false;
-    share.done = 1;
-    upper = fmin(upper, search->distance * (1 + GD_TOL_BOUND) + rounding);
-    if (!status) status = run(search, guide, upper, out, &own);
-    if (!status && !(search->distance <= upper * (1 + GD_TOL_CHECK))) status = GD_INTERNAL; /* lost on the way */
-    if (!status) out->distance = search->distance * search->mesh->unit;
-    return status;
+    double tight = upper;
+    enum gd_status status = gd__tether_length(guide, &search->seed.point, search->target, &own, &tight);
+    if (status && status != GD_INTERNAL) return status;
+    status = run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
+    if (!status && !is_found(search)) {
+        share.done = 3;
+        status = run(search, guide, upper, &own);
+    }
+    return status || is_found(search) ? status : GD_INTERNAL; /* lost on the way */
 }
 
 static enum gd_status search_in(struct gd_workspace *work, struct search *search, const struct gd_landmarks *landmarks,
-                                const struct gd_control *control, struct gd_pair_answer *out)
+                                const struct gd_control *control)
 {
     struct gd__guide *guide = &work->guide;
     double upper;
     gd__landmarks_offer(landmarks, search->mesh, guide);
     enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, search->target, control, &upper);
-    if (!status) status = run_both(search, guide, upper, out, control);
+    if (!status) status = run_bounded(search, guide, upper, control);
+    if (!status) search->out->distance = search->distance * search->mesh->unit;
     gd__guide_clean(guide);
     return status;
 }
@@ -99,11 +107,11 @@ enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *fro
         out->distance = INFINITY;
         return GD_OK;
     }
-    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .wish = wish};
+    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .wish = wish, .out = out};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;
-    enum gd_status status = search_in(own.workspace, &search, landmarks, &own, out);
+    enum gd_status status = search_in(own.workspace, &search, landmarks, &own);
     if (!control || !control->workspace) gd_workspace_destroy(own.workspace);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef GD_TRANSPORT_ASCENT_H
 #define GD_TRANSPORT_ASCENT_H
 
-#include "transport/turn.h"
+#include "line/turn.h"
 
 /* A pull: a vector's turn, and its length times its weight. */
 struct gd__pull {

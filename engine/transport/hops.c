@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "gd/query.h"
-#include "transport/route.h"
+#include "line/route.h"
 #include "wedge/workspace.h"
 
 /* Searches have nothing to do with each other, so each lane takes the next one when it is done. A thread is known by where its own copy of `here` lies. */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "transport/route.h"
+#include "line/route.h"
 
 /* --- paths --------------------------------------------------------------------------------------------------------------- */
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
-#include "transport/straighten.h"
+#include "line/straighten.h"
 
 enum { LANES_MOST = 2 };
 

@@ -6,7 +6,7 @@
 #include "field/layout.h"
 #include "mesh/canonical.h"
 #include "transport/flight.h"
-#include "transport/unfold.h"
+#include "line/unfold.h"
 
 /* The log map of one point. Vertices are taken by distance. One whose path bends last at a vertex leaves the point as that vertex does. Of one that is seen
  * straight the sight is walked back only until it crosses an edge with an end that is seen straight as well, and over the same strip of faces: then

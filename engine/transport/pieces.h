@@ -3,7 +3,7 @@
 #define GD_TRANSPORT_PIECES_H
 
 #include "gd/curve.h"
-#include "transport/straighten.h"
+#include "line/straighten.h"
 
 /* The curve's points as a route; of a closed one the first is there again at the end. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE enum gd_status gd__route_of_curve(const struct gd_mesh *mesh, const struct gd_curve *curve,

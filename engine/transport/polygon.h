@@ -2,7 +2,7 @@
 #ifndef GD_TRANSPORT_POLYGON_H
 #define GD_TRANSPORT_POLYGON_H
 
-#include "transport/straighten.h"
+#include "line/straighten.h"
 
 /* All zero is none. The legs are geodesics, each from one control point to the next. */
 struct gd__polygon {

@@ -1,7 +1,7 @@
 #include <stdlib.h>
 
 #include "transport/spacing.h"
-#include "transport/turn.h"
+#include "line/turn.h"
 
 /* A sampling under way. */
 struct sampling {

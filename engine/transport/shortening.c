@@ -4,7 +4,7 @@
 
 #include "base/tolerance.h"
 #include "transport/pieces.h"
-#include "transport/turn.h"
+#include "line/turn.h"
 
 enum { PIECES_MOST = 65536 };
 

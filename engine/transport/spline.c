@@ -4,8 +4,8 @@
 
 #include "base/tolerance.h"
 #include "transport/legs.h"
-#include "transport/straighten.h"
-#include "transport/turn.h"
+#include "line/straighten.h"
+#include "line/turn.h"
 
 void gd_spline_free(struct gd_spline *spline)
 {

@@ -3,7 +3,7 @@
 #define GD_TRANSPORT_STRAIGHT_H
 
 #include "gd/trace.h"
-#include "transport/turn.h"
+#include "line/turn.h"
 
 /* The turn in which a line leaves a vertex that came from the turn `back`, by the rule of the options. False, at the boundary only: straight on is not
  * on the surface. O(faces of the vertex). */

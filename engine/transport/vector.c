@@ -6,8 +6,8 @@
 #include "base/tolerance.h"
 #include "field/layout.h"
 #include "mesh/canonical.h"
-#include "transport/route.h"
-#include "transport/unfold.h"
+#include "line/route.h"
+#include "line/unfold.h"
 
 /* --- log ----------------------------------------------------------------------------------------------------------------- */
 

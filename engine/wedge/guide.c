@@ -8,9 +8,10 @@
 #include "mesh/local.h"
 #include "wedge/workspace.h"
 
-/* A path that is a little too long will do: with the straight line to the start weighed heavier, A* finds it at a fraction of the cost. What landmarks
- * say of the rest of the way is close enough as it is. */
-#define GREED 1.1
+/* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way weighed heavier than the straight line or the landmarks say,
+ * A* finds one at a fraction of the cost. */
+#define GREED           1.2
+#define LANDMARKS_GREED 1.1
 
 #define CHECK_INTERVAL 1024 /* entries of fans between two looks at the control: well under a millisecond */
 
@@ -186,22 +187,28 @@ static uint32_t pop(struct gd__guide *guide)
     return vertex;
 }
 
-/* Offers a vertex a path to the target; enters it with a key that counts the rest of the way to `from` too. */
-static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, uint32_t parent, double upper,
-                            const struct gd_vec3 *from)
+/* What a vertex is offered: a path to the target. */
+struct offer {
+    double upper;
+    uint32_t parent, across; /* as a node has them */
+};
+
+/* Offers it; enters the vertex with a key that counts the rest of the way to `from` too. A vertex that has offered its neighbours theirs does not do so
+ * again: that would cost more than the longer path does. */
+static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct offer offer, const struct gd_vec3 *from)
 {
     struct gd__guide_node *node = &guide->node[vertex];
-    if (upper >= node->upper) return GD_OK;
+    if (node->closed || offer.upper >= node->upper) return GD_OK;
     enum gd_status status = touch(guide, vertex);
     if (!status)
         status = make_room(guide, (void **)&guide->heap, guide->heap_count, &guide->heap_capacity, sizeof *guide->heap);
     if (status) return status;
-    node->upper = upper;
-    node->parent = parent;
-    node->closed = false;
+    node->upper = offer.upper;
+    node->parent = offer.parent;
+    node->across = offer.across;
     double rest = GREED * straight(&guide->mesh->position[vertex], from);
-    if (guide->landmark) rest = fmax(rest, by_landmarks(guide, &guide->from_start, vertex));
-    guide->heap[guide->heap_count] = (struct gd__guide_entry){upper + rest, vertex};
+    if (guide->landmark) rest = fmax(rest, LANDMARKS_GREED * by_landmarks(guide, &guide->from_start, vertex));
+    guide->heap[guide->heap_count] = (struct gd__guide_entry){offer.upper + rest, vertex};
     sift_up(guide, guide->heap_count++);
     return GD_OK;
 }
@@ -218,8 +225,8 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, con
     double dx = across->left_length * across->left_x - x, dy = across->left_length * across->left_y + y,
            t = x + dx * y / dy;
     if (!(t > 0 && t < across->length)) return GD_OK;
-    return relax(guide, gd__side_apex(mesh, s->right), vertex, guide->node[vertex].upper + sqrt(dx * dx + dy * dy),
-                 from);
+    struct offer offer = {guide->node[vertex].upper + sqrt(dx * dx + dy * dy), vertex, s->right >> 1};
+    return relax(guide, gd__side_apex(mesh, s->right), offer, from);
 }
 
 /* A step of the search: now and then looks at the control. */
@@ -237,30 +244,44 @@ static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const str
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
         status = step(guide);
-        if (!status) status = relax(guide, mesh->fan[i].tip, vertex, upper + s->length, from);
+        struct offer along = {upper + s->length, vertex, GD_NONE}, last = {upper + s->left_length, vertex, GD_NONE};
+        if (!status) status = relax(guide, mesh->fan[i].tip, along, from);
         if (!status && gd__side_is_boundary(mesh, s->left))
-            status = relax(guide, gd__side_destination(mesh, s->left), vertex, upper + s->left_length, from);
+            status = relax(guide, gd__side_destination(mesh, s->left), last, from);
         if (!status) status = relax_across(guide, vertex, s, from);
     }
     return status;
 }
 
-static double best_way(const struct gd__guide *guide, const struct gd__anchor *from)
+/* The length of the best path from a point so far, and the vertex that it passes first. */
+static double best_way(const struct gd__guide *guide, const struct gd__anchor *from, uint32_t *first)
 {
     double best = GD__FAR;
+    *first = GD_NONE;
     for (int k = 0; k < 4 && from->corner[k] != GD_NONE; k++) {
         double way = guide->node[from->corner[k]].upper + from->leg[k];
-        if (way < best) best = way;
+        if (way < best) *first = from->corner[k];
+        best = fmin(best, way);
     }
     return best;
 }
 
+uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from)
+{
+    struct gd__anchor start = gd__anchor(guide->mesh, from);
+    uint32_t first;
+    best_way(guide, &start, &first);
+    return first;
+}
+
 static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *from, double *upper)
 {
+    uint32_t first;
     enum gd_status status = GD_OK;
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        status = relax(guide, guide->target.corner[k], GD_NONE, guide->target.leg[k], &from->position);
-    *upper = best_way(guide, from);
+        status = relax(guide, guide->target.corner[k], (struct offer){guide->target.leg[k], GD_NONE, GD_NONE},
+                       &from->position);
+    *upper = best_way(guide, from, &first);
     while (!status && guide->heap_count && guide->heap[0].key < *upper) {
         uint32_t vertex = pop(guide);
         if (guide->node[vertex].closed) continue;
@@ -276,7 +297,7 @@ static enum gd_status search(struct gd__guide *guide, const struct gd__anchor *f
 
 static void clean_node(struct gd__guide_node *node)
 {
-    *node = (struct gd__guide_node){.upper = GD__FAR, .lower = -1, .parent = GD_NONE};
+    *node = (struct gd__guide_node){.upper = GD__FAR, .lower = -1, .parent = GD_NONE, .across = GD_NONE};
 }
 
 static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *mesh)
@@ -308,49 +329,10 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     if (status) return status;
     guide->target = gd__anchor(mesh, to);
     guide->margin = GD_TOL_BOUND * fmax(largest_coordinate(guide->target.position), largest_coordinate(start.position));
-    guide->in_corridor_only = false;
     read_landmarks(guide, &guide->target, &guide->from_target);
     read_landmarks(guide, &start, &guide->from_start);
     status = search(guide, &start, upper);
     if (!status) *upper *= 1 + GD_TOL_BOUND;
-    return status;
-}
-
-/* A vertex whose rings are in the corridor already, as many or more, is not walked round again: that would cost a path along a hub the hub's
- * whole fan at each of its vertices. */
-static enum gd_status mark(struct gd__guide *guide, uint32_t vertex, int rings)
-{
-    const struct gd_mesh *mesh = guide->mesh;
-    struct gd__guide_node *node = &guide->node[vertex];
-    if (node->corridor > rings) return GD_OK;
-    enum gd_status status = touch(guide, vertex);
-    if (status) return status;
-    node->corridor = (uint8_t)(rings + 1);
-    for (uint32_t i = mesh->fan_first[vertex]; rings > 0 && i < mesh->fan_first[vertex + 1] && !status; i++) {
-        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        status = step(guide);
-        if (!status) status = mark(guide, mesh->fan[i].tip, rings - 1);
-        if (!status && gd__side_is_boundary(mesh, s->left))
-            status = mark(guide, gd__side_destination(mesh, s->left), rings - 1);
-    }
-    return status;
-}
-
-enum gd_status gd__guide_mark_corridor(struct gd__guide *guide, const struct gd_point *from)
-{
-    struct gd__anchor start = gd__anchor(guide->mesh, from);
-    uint32_t vertex = GD_NONE;
-    double best = GD__FAR;
-    enum gd_status status = GD_OK;
-    for (int k = 0; k < 4 && start.corner[k] != GD_NONE && !status; k++) {
-        double way = guide->node[start.corner[k]].upper + start.leg[k];
-        if (way < best) vertex = start.corner[k];
-        best = fmin(best, way);
-        status = mark(guide, start.corner[k], 2);
-    }
-    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        status = mark(guide, guide->target.corner[k], 2);
-    for (; vertex != GD_NONE && !status; vertex = guide->node[vertex].parent) status = mark(guide, vertex, 2);
     return status;
 }
 

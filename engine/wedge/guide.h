@@ -20,10 +20,10 @@ struct gd__anchor {
 struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
 
 struct gd__guide_node {
-    double upper;     /* length of a path from this vertex to the target; GD__FAR: none is known */
-    double lower;     /* the lower bound, without regard to the corridor; < 0: not asked yet */
-    uint32_t parent;  /* the next vertex of that path; GD_NONE: the target is straight ahead */
-    uint8_t corridor; /* 0: outside of it; n + 1: n rings of edges round the vertex are in it too */
+    double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
+    double lower;    /* the lower bound; < 0: not asked yet */
+    uint32_t parent; /* the next vertex of that path; GD_NONE: the target is straight ahead */
+    uint32_t across; /* the edge that the path crosses on the way there; GD_NONE: it goes along one */
     bool closed, touched;
 };
 
@@ -42,8 +42,7 @@ struct gd__guide {
     const struct gd_control *control; /* of the search; may be NULL */
     uint32_t steps;                   /* since the search began: when to look at it */
     struct gd__anchor target;
-    double margin; /* of distances in space, for rounding */
-    bool in_corridor_only;
+    double margin;               /* of distances in space, for rounding */
     struct gd__guide_node *node; /* per vertex; clean (GD__FAR) between searches */
     uint32_t capacity;
     uint32_t *touched; /* nodes that are not clean */
@@ -64,16 +63,14 @@ GD_MUST_USE enum gd_status gd__guide_aim(struct gd__guide *guide, const struct g
 /* Bytes that it holds for the mesh that it aims on. */
 size_t gd__guide_held(const struct gd__guide *guide);
 
-/* Marks the surroundings of the path from `from` that gd__guide_aim found, two edges wide. Errors: those of gd__guide_aim. Cost: the fans of the
- * path's vertices and of their neighbours, once or twice each. */
-GD_MUST_USE enum gd_status gd__guide_mark_corridor(struct gd__guide *guide, const struct gd_point *from);
+/* The first vertex of the path from `from` that gd__guide_aim found; the others follow by node[].parent. */
+uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Lower bound of the distance from a vertex to the target; GD__FAR outside of the corridor while the search keeps to it. */
+/* Lower bound of the distance from a vertex to the target. */
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex); /* the first time */
 static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd__guide_node *node = &guide->node[vertex];
-    if (guide->in_corridor_only && !node->corridor) return GD__FAR;
     return node->lower >= 0 ? node->lower : gd__guide_measure(guide, vertex);
 }
 

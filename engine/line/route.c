@@ -1,11 +1,11 @@
-#include "transport/route.h"
+#include "line/route.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
-#include "transport/unfold.h"
+#include "line/unfold.h"
 
 enum { FIRST_CAPACITY = 16 };
 

@@ -5,8 +5,8 @@
  *     at a vertex   from the first entry of its fan, as gd_fan.angle
  *
  * Conversions to the angles that callers know (gd/direction.h) are exact up to the rounding of the angle. */
-#ifndef GD_TRANSPORT_TURN_H
-#define GD_TRANSPORT_TURN_H
+#ifndef GD_LINE_TURN_H
+#define GD_LINE_TURN_H
 
 #include "gd/direction.h"
 #include "mesh/topology.h"

@@ -1,4 +1,4 @@
-#include "transport/unfold.h"
+#include "line/unfold.h"
 
 #include "field/frame.h"
 

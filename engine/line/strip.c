@@ -1,4 +1,4 @@
-#include "transport/strip.h"
+#include "line/strip.h"
 
 #include <stdlib.h>
 
@@ -30,7 +30,7 @@ static enum gd_status grow(struct gd__strip *strip, const struct gd_control *con
 
 enum gd_status gd__strip_push(struct gd__strip *strip, uint32_t side, const struct gd_control *control)
 {
-    if (strip->count && strip->gates[strip->count - 1].side == (side ^ 1)) {
+    if (!strip->keeps_ways_back && strip->count && strip->gates[strip->count - 1].side == (side ^ 1)) {
         strip->count--;
         return GD_OK;
     }
@@ -166,7 +166,7 @@ static bool lay_gate(const struct gd_mesh *mesh, const struct gd__gate *last, st
     return true;
 }
 
-static struct gd__local point_in(const struct gd_mesh *mesh, const struct gd__gate *gate, const struct gd_point *point)
+struct gd__local gd__gate_place(const struct gd_mesh *mesh, const struct gd__gate *gate, const struct gd_point *point)
 {
     uint32_t face = mesh->side_face[gate->side];
     double weight[3];
@@ -176,8 +176,7 @@ static struct gd__local point_in(const struct gd_mesh *mesh, const struct gd__ga
                   gd__face_local(mesh, gate->side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]}));
 }
 
-/* The side from which the first face is laid, as if it were a gate. */
-static struct gd__gate entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
+struct gd__gate gd__strip_entrance(const struct gd_mesh *mesh, const struct gd__strip *strip)
 {
     uint32_t side = mesh->face_side[strip->face][0];
     return (struct gd__gate){side, {0, 0}, {mesh->side[side].length, 0}, {1, 0}};
@@ -186,15 +185,15 @@ static struct gd__gate entrance(const struct gd_mesh *mesh, const struct gd__str
 enum gd_status gd__strip_lay(const struct gd_mesh *mesh, struct gd__strip *strip)
 {
     trim(mesh, strip);
-    struct gd__gate last = entrance(mesh, strip);
-    strip->begin = point_in(mesh, &last, &strip->from);
+    struct gd__gate last = gd__strip_entrance(mesh, strip);
+    strip->begin = gd__gate_place(mesh, &last, &strip->from);
     for (uint32_t i = 0; i < strip->count; i++) {
         if (!lay_gate(mesh, &last, &strip->gates[i])) return GD_INTERNAL;
         last = strip->gates[i];
         if (mesh->side_face[last.side] == GD_NONE) return GD_INTERNAL;
     }
     if (!gd__face_contains(mesh, mesh->side_face[last.side], &strip->to)) return GD_INTERNAL;
-    strip->end = point_in(mesh, &last, &strip->to);
+    strip->end = gd__gate_place(mesh, &last, &strip->to);
     return GD_OK;
 }
 

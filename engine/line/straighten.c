@@ -1,14 +1,14 @@
-#include "transport/straighten.h"
+#include "line/straighten.h"
 
 #include <stdlib.h>
 
 #include "base/tolerance.h"
 #include "mesh/canonical.h"
 #include "mesh/segment.h"
-#include "transport/turn.h"
-#include "transport/unfold.h"
+#include "line/turn.h"
+#include "line/unfold.h"
 
-enum { LOOK = 64 }; /* rounds between two looks at the control */
+enum { LOOK = 16384 }; /* gates laid between two looks at the control: well under a millisecond */
 
 void gd__straightener_free(struct gd__straightener *straightener)
 {
@@ -178,20 +178,29 @@ static void swap(struct gd__straightener *s)
     s->other = strip;
 }
 
-/* Rounds go on as long as the line gets shorter by more than rounding. */
-static enum gd_status tighten(struct gd__straightener *s, uint32_t *corner_count)
+static enum gd_status look(struct gd__straightener *s)
+{
+    s->laid += s->strip.count;
+    if (s->laid < LOOK) return GD_OK;
+    s->laid = 0;
+    return gd_control_check(s->control, s->progress);
+}
+
+/* Rounds go on as long as the line gets shorter by more than `least_gain` of its length, which is *out in the end. */
+static enum gd_status tighten(struct gd__straightener *s, double least_gain, uint32_t *corner_count, double *out)
 {
     double length, before = INFINITY;
     bool has_moved = true;
     enum gd_status status = measure(s, corner_count, &length);
-    for (uint32_t round = 1; !status && length < before; round++) {
-        before = length * (1 - GD_TOL_BETTER);
+    while (!status && length < before) {
+        before = length * (1 - least_gain);
         status = relax(s, *corner_count, &has_moved);
         if (status || !has_moved) break;
         swap(s);
         status = measure(s, corner_count, &length);
-        if (!status && round % LOOK == 0) status = gd_control_check(s->control, s->progress);
+        if (!status) status = look(s);
     }
+    if (!status) *out = length;
     return status;
 }
 
@@ -201,13 +210,14 @@ static enum gd_status straighten(struct gd__straightener *s, const struct gd__ro
                                  struct gd__route *out)
 {
     uint32_t corner_count;
+    double length;
     gd__route_clear(&s->line);
     enum gd_status status = gd__route_join(&s->line, route->points, route->count, route->length, backwards, s->control);
     gd__route_clear(out);
     if (status) return status;
     if (s->line.count < 2) return gd__route_join(out, s->line.points, s->line.count, 0, false, s->control);
     status = gd__strip_along(s->mesh, &s->line, &s->strip, s->control);
-    if (!status) status = tighten(s, &corner_count);
+    if (!status) status = tighten(s, GD_TOL_BETTER, &corner_count, &length);
     if (!status) status = gd__strip_line(s->mesh, &s->strip, s->corners, corner_count, out, s->control);
     if (!status && backwards) gd__points_reverse(out->points, out->count);
     return status;
@@ -218,4 +228,14 @@ enum gd_status gd__straighten(struct gd__straightener *straightener, const struc
 {
     bool backwards = route->count > 1 && gd__point_follows(&route->points[0], &route->points[route->count - 1]);
     return straighten(straightener, route, backwards, out);
+}
+
+enum gd_status gd__straighten_length(struct gd__straightener *s, const struct gd__route *route, double least_gain,
+                                     double *out)
+{
+    uint32_t corner_count;
+    *out = 0;
+    if (route->count < 2) return GD_OK;
+    enum gd_status status = gd__strip_along(s->mesh, route, &s->strip, s->control);
+    return status ? status : tighten(s, least_gain, &corner_count, out);
 }

@@ -1,4 +1,4 @@
-#include "transport/turn.h"
+#include "line/turn.h"
 
 #include "field/frame.h"
 

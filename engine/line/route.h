@@ -1,6 +1,6 @@
 /* Route: a polyline on the surface while it is worked on: points that follow each other within one face. Inside unit. */
-#ifndef GD_TRANSPORT_ROUTE_H
-#define GD_TRANSPORT_ROUTE_H
+#ifndef GD_LINE_ROUTE_H
+#define GD_LINE_ROUTE_H
 
 #include "gd/control.h"
 #include "gd/path.h"

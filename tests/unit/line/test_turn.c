@@ -1,6 +1,6 @@
-#include "lines.h"
+#include "tests/unit/transport/lines.h"
 
-#include "transport/turn.h"
+#include "line/turn.h"
 
 static const struct {
     const char *name;

@@ -1,9 +1,9 @@
 /* Unfold: the faces that a line crosses, laid flat one after the other. */
-#ifndef GD_TRANSPORT_UNFOLD_H
-#define GD_TRANSPORT_UNFOLD_H
+#ifndef GD_LINE_UNFOLD_H
+#define GD_LINE_UNFOLD_H
 
 #include "gd/path.h"
-#include "transport/turn.h"
+#include "line/turn.h"
 
 /* The straight line from the first to the last of some points. Inside unit. */
 struct gd__straight {
