@@ -9,6 +9,7 @@
 #include "gd/control.h"
 #include "gd/cpu.h"
 #include "server/access.h"
+#include "server/batches.h"
 #include "server/connections.h"
 #include "server/events.h"
 #include "server/jobs.h"
@@ -296,6 +297,16 @@ static void write_store(struct server *server, struct proto_writer *writer)
               (double)registry.damaged);
 }
 
+static void write_batches(struct server *server, struct proto_writer *writer)
+{
+    struct server_batches_statistics batches = server_batches_statistics(server->batches);
+    write_one(writer, "batch_items_running", "gauge", "Items of batches that this daemon works on.", batches.running);
+    write_one(writer, "batch_items_answered_total", "counter", "Items of batches that it has answered.",
+              (double)batches.answered);
+    write_one(writer, "batch_items_returned_total", "counter", "Items of batches that it gave back for later.",
+              (double)batches.returned);
+}
+
 static void write_scrub(struct server *server, struct proto_writer *writer)
 {
     if (!server->scrub) return;
@@ -362,6 +373,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     write_cache(server, writer);
     write_searches(metrics, server, writer);
     write_store(server, writer);
+    write_batches(server, writer);
     write_scrub(server, writer);
     write_jobs(server, writer);
     write_memory(server, writer);

@@ -10,6 +10,7 @@
 
 #include "gd/cpu.h"
 #include "server/access.h"
+#include "server/batches.h"
 #include "server/connections.h"
 #include "server/disk.h"
 #include "server/events.h"
@@ -34,6 +35,7 @@
 static void destroy(struct server *server)
 {
     server_connections_destroy(server->connections);
+    server_batches_destroy(server->batches);
     server_scrub_destroy(server->scrub);
     server_keeper_destroy(server->keeper);
     server_timekeeper_destroy(server->timekeeper);
@@ -135,8 +137,9 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     server->keeper = server_keeper_create(server);
     bool scrubs = config->scrub_s && server_registry_can_verify(server->registry);
     if (scrubs) server->scrub = server_scrub_create(server);
+    server->batches = server_batches_create(server, error, error_size);
     server->connections = server_connections_create();
-    return server->timekeeper && server->keeper && server->connections && (!scrubs || server->scrub);
+    return server->timekeeper && server->keeper && server->batches && server->connections && (!scrubs || server->scrub);
 }
 
 static bool listen_on(struct server *server, char *error, size_t error_size)
@@ -233,6 +236,7 @@ void server_stop(struct server *server)
     remove_socket(&server->config.listen);
     server_http_quiesce(server->http);
     server_jobs_drain(server->jobs);
+    server_batches_drain(server->batches);
     server_events_end(server->events);
     wait_until_idle(server, gd_now_ns() + server->config.drain_ms * 1000000);
     server_workers_cancel(server->workers);

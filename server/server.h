@@ -2,7 +2,7 @@
  *
  * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget, workspaces, workers, cache, loads, metrics, store
  * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, discretizations, events, jobs, timekeeper,
- * keeper, scrub, connections, http. Workspaces, workers, cache, loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
+ * keeper, scrub, batches, connections, http. Workspaces, workers, cache, loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
  * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
  * Budget and metrics are atomic.
  *
@@ -29,6 +29,7 @@
 #include "server/workspaces.h"
 
 struct server_access;
+struct server_batches;
 struct server_connections;
 struct server_events;
 struct server_http;
@@ -56,6 +57,7 @@ struct server {
     struct server_metrics *metrics;
     struct server_events *events;
     struct server_jobs *jobs;
+    struct server_batches *batches;
     struct server_timekeeper *timekeeper;
     struct server_keeper *keeper;
     struct server_scrub *scrub; /* NULL: nothing is looked through */

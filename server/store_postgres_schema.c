@@ -20,6 +20,13 @@ static const char *const steps[] = {
     "CREATE INDEX surfaces_by_file ON surfaces (file) WHERE file IS NOT NULL",
     "CREATE INDEX surfaces_by_attachment ON surfaces (attachment) WHERE attachment IS NOT NULL",
     "CREATE INDEX surfaces_gone ON surfaces (version) WHERE record IS NULL",
+    /* as batch_queue.c has them for SQLite */
+    "CREATE TABLE batches (id text COLLATE \"C\" PRIMARY KEY, tenant text NOT NULL, document bytea NOT NULL,"
+    " etag text NOT NULL, items bigint NOT NULL, created bigint NOT NULL, cancelled bigint NOT NULL DEFAULT 0)",
+    "CREATE TABLE items (batch text COLLATE \"C\" NOT NULL, item bigint NOT NULL, lease bigint NOT NULL DEFAULT 0,"
+    " node text NOT NULL DEFAULT '', attempts bigint NOT NULL DEFAULT 0, status bigint NOT NULL DEFAULT 0,"
+    " answer bytea, PRIMARY KEY (batch, item))",
+    "CREATE INDEX items_waiting ON items (batch, item) WHERE status = 0",
 };
 #define STEPS ((int64_t)(sizeof steps / sizeof *steps))
 

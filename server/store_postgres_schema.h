@@ -6,6 +6,7 @@
  *     objects     id, size, created                          files and attachments (record.h), immutable
  *     chunks      object, number, digest, bytes              an object's bytes, by the MiB, each with its own SHA-256
  *     surfaces    key, version, file, attachment, record     a surface; without a record: there was one
+ *     batches, items                                         see batch_queue.h
  *
  * Who changes a surface locks the clock's row first, until it commits. So versions are committed in their order: who has seen one
  * has seen all those before it. */

@@ -1,5 +1,47 @@
 // Made from the contract by generate.py; changes belong there.
 
+export type BatchRequest = ({
+  query: "all-pairs";
+  mesh: Name;
+  vertices: Index[];
+} | {
+  query: "fields";
+  meshes: Name[];
+  set: Set;
+  max_distance?: number;
+});
+
+export type Batch = {
+  id: JobId;
+  /** `done`: every item has an answer. */
+  state: ("running" | "done" | "cancelled");
+  items: Count;
+  /** Items that have an answer. */
+  done: number;
+  /** Of these */
+  failed: number;
+  progress: number;
+  created: string;
+};
+
+export type BatchList = {
+  batches: Batch[];
+  next: (string | null);
+};
+
+export type BatchResults = {
+  results: Array<{
+    item: Index;
+    status: number;
+    mesh: Name;
+    vertex?: Index;
+    /** What the item was answered: that of `matrix`, or of `POST …/fields`. */
+    answer?: Record<string, unknown>;
+    problem?: Problem;
+  }>;
+  next: (string | null);
+};
+
 export type JobId = string;
 
 export type Name = string;

@@ -107,6 +107,13 @@ void server_handle_delete_job(struct server_exchange *exchange);
 void server_handle_get_job_result(struct server_exchange *exchange);
 void server_handle_get_job_events(struct server_exchange *exchange);
 
+/* batches.c */
+void server_handle_create_batch(struct server_exchange *exchange);
+void server_handle_list_batches(struct server_exchange *exchange);
+void server_handle_get_batch(struct server_exchange *exchange);
+void server_handle_delete_batch(struct server_exchange *exchange);
+void server_handle_get_batch_results(struct server_exchange *exchange);
+
 /* jobs.c: any operation that takes Prefer: respond-async, asked for with it. Called like the others. */
 void server_handle_async(struct server_exchange *exchange);
 

@@ -1,0 +1,147 @@
+"""Batches: many-source work, item by item. By several daemons that share a database: tests/cluster/test_spread.py."""
+import json
+import pathlib
+import tempfile
+import time
+import unittest
+
+from harness import PATIENCE_SECONDS, TETRAHEDRON, Daemon, TestCase, sample
+
+
+def begin(node, document):
+    return node.request("POST", "/v1/batches", json.dumps(document), {"Content-Type": "application/json"})
+
+
+def results(node, id, limit=1000):
+    """All answers, page by page."""
+    found, after = [], ""
+    while True:
+        page = node.get(f"/v1/batches/{id}/results?limit={limit}{after}")
+        assert page.status == 200, page
+        found += page.json["results"]
+        if page.json["next"] is None:
+            return found
+        after = f"&after={page.json['next']}"
+
+
+def wait(node, id, seconds=PATIENCE_SECONDS):
+    until = time.monotonic() + seconds
+    while (told := node.get(f"/v1/batches/{id}").json)["state"] == "running":
+        if time.monotonic() > until:
+            raise TimeoutError(told)
+        time.sleep(0.02)
+    return told
+
+
+class Alone:
+    """What a daemon does, whatever its store; `self.daemon` is it."""
+
+    def test_all_pairs(self):
+        vertices = [0, 5, 17, 100, 41]
+        self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=3)).status, 201)
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": vertices})
+        self.assertEqual(begun.status, 201, begun)
+        self.assertEqual(begun.headers["Location"], f"/v1/batches/{begun.json['id']}")
+        told = wait(self.daemon, begun.json["id"])
+        self.assertEqual((told["state"], told["items"], told["done"], told["failed"], told["progress"]), ("done", 5, 5, 0, 1))
+        points = [{"vertex": vertex} for vertex in vertices]
+        matrix = self.daemon.ask("sphere", "matrix", {"sources": points, "targets": points}).json["distances"]
+        found = results(self.daemon, told["id"], limit=2)
+        self.assertEqual([(one["item"], one["vertex"], one["mesh"], one["status"]) for one in found],
+                         [(i, vertex, "sphere", 200) for i, vertex in enumerate(vertices)])
+        for row, one in zip(matrix, found):
+            for a, b in zip(row, one["answer"]["distances"][0]):
+                self.assertAlmostEqual(a, b, delta=1e-12)
+        self.assertIn(told["id"], [batch["id"] for batch in self.daemon.get("/v1/batches").json["batches"]])
+        self.assertEqual(self.daemon.request("DELETE", f"/v1/batches/{told['id']}").status, 204)
+        self.assertEqual(self.daemon.get(f"/v1/batches/{told['id']}").status, 404)
+
+    def test_fields_of_meshes(self):
+        names = ["a", "b", "missing"]
+        for name in names[:2]:
+            self.assertIn(self.daemon.put(name, TETRAHEDRON).status, (200, 201))
+        begun = begin(self.daemon, {"query": "fields", "meshes": names, "set": {"points": [{"vertex": 0}]}})
+        told = wait(self.daemon, begun.json["id"])
+        self.assertEqual((told["done"], told["failed"]), (3, 1))
+        found = results(self.daemon, told["id"])
+        self.assertEqual([(one["mesh"], one["status"]) for one in found], [("a", 201), ("b", 201), ("missing", 404)])
+        self.assertEqual(found[2]["problem"]["code"], "not_found")
+        field = found[0]["answer"]["id"]
+        self.assertEqual(self.daemon.get(f"/v1/meshes/a/fields/{field}").status, 200)
+
+    def test_a_mesh_that_is_replaced_ends_its_batch(self):
+        self.assertIn(self.daemon.put("changes", sample("icosphere", level=5)).status, (200, 201))
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "changes", "vertices": list(range(2000))})
+        self.assertEqual(self.daemon.put("changes", TETRAHEDRON).status, 200)
+        told = wait(self.daemon, begun.json["id"])
+        self.assertGreater(told["failed"], 0)
+        self.assertEqual({one["problem"]["code"] for one in results(self.daemon, told["id"]) if one["status"] != 200}, {"precondition_failed"})
+
+    def test_cancelling(self):
+        self.assertIn(self.daemon.put("large", sample("icosphere", level=6)).status, (200, 201))
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "large", "vertices": list(range(3000))})
+        path = f"/v1/batches/{begun.json['id']}"
+        self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+        told = self.daemon.get(path).json
+        self.assertEqual(told["state"], "cancelled")
+        time.sleep(1)
+        self.assertLessEqual(self.daemon.get(path).json["done"], told["done"] + 2)
+        self.assertEqual(self.daemon.request("DELETE", path).status, 204)
+        self.assertEqual(self.daemon.get(path).status, 404)
+
+    def test_what_is_refused(self):
+        for document, status, code, pointer in (
+                ({"query": "all-pairs", "mesh": "nobody", "vertices": [0]}, 404, "not_found", None),
+                ({"query": "all-pairs", "mesh": "a b", "vertices": [0]}, 400, "invalid_request", "/mesh"),
+                ({"query": "all-pairs", "mesh": "a", "vertices": []}, 400, "invalid_request", "/vertices"),
+                ({"query": "all-pairs", "mesh": "a", "vertices": [1.5]}, 400, "invalid_request", "/vertices"),
+                ({"query": "all-pairs", "mesh": "a", "vertices": [0], "more": 1}, 400, "invalid_request", "/more"),
+                ({"query": "fields", "meshes": ["a"]}, 400, "invalid_request", None),
+                ({"query": "distance"}, 400, "invalid_request", "/query"),
+                ([], 400, "invalid_request", "")):
+            answer = begin(self.daemon, document)
+            self.assertEqual((answer.status, answer.json["code"]), (status, code), (document, answer))
+            if pointer is not None:
+                self.assertEqual(answer.json["pointer"], pointer)
+        for path in ("/v1/batches/0123456789abcdef01234567", "/v1/batches/x", "/v1/batches/x/results"):
+            self.assertEqual(self.daemon.get(path).status, 404)
+        self.assertEqual(self.daemon.request("PUT", "/v1/batches").status, 405)
+
+
+class InMemory(Alone, TestCase):
+    pass
+
+
+class InAFolder(Alone, unittest.TestCase):
+    def setUp(self):
+        self.place = tempfile.TemporaryDirectory()
+        self.daemon = self.start()
+
+    def start(self):
+        return Daemon("--data-dir", str(pathlib.Path(self.place.name) / "data"))
+
+    def tearDown(self):
+        self.assertEqual(self.daemon.stop(), 0)
+        self.place.cleanup()
+
+    def test_a_batch_goes_on_after_a_crash(self):
+        self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))})
+        path = f"/v1/batches/{begun.json['id']}"
+        while not self.daemon.get(path).json["done"]:
+            time.sleep(0.005)
+        done = self.daemon.get(path).json["done"]
+        self.daemon.process.kill()
+        self.daemon.process.wait()
+        self.daemon = self.start()
+        self.assertGreaterEqual(self.daemon.get(path).json["done"], done)
+        told = wait(self.daemon, begun.json["id"])
+        self.assertEqual((told["done"], told["failed"]), (300, 0))
+
+    def test_a_batch_goes_on_after_a_restart(self):
+        self.assertEqual(self.daemon.put("sphere", sample("icosphere", level=4)).status, 201)
+        begun = begin(self.daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(200))})
+        self.assertEqual(self.daemon.stop(), 0)
+        self.daemon = self.start()
+        told = wait(self.daemon, begun.json["id"], 20)  # what was under way was given back
+        self.assertEqual((told["done"], told["failed"]), (200, 0))

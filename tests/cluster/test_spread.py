@@ -1,0 +1,41 @@
+"""Batches over several daemons, which come and go, as the database does."""
+import time
+
+from harness import sample
+from test_batches import begin, results, wait
+from test_nodes import LONG, Shared, setUpModule  # noqa: F401  (skips without PostgreSQL)
+
+
+class Spread(Shared):
+    def test_three_daemons_one_of_which_dies(self):
+        nodes = [self.start("--workers", "1") for _ in range(3)]
+        count = 2000 if LONG else 400
+        self.assertEqual(nodes[0].put("sphere", sample("icosphere", level=4)).status, 201)
+        begun = begin(nodes[1], {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(count))})
+        self.assertEqual(begun.status, 201, begun)
+        nodes[0].wait_until(lambda node: node.get(f"/v1/batches/{begun.json['id']}").json["done"] > count // 10)
+        nodes[2].kill()
+        told = wait(nodes[0], begun.json["id"], 90)
+        self.assertEqual((told["state"], told["done"], told["failed"]), ("done", count, 0))
+        found = results(nodes[1], told["id"])
+        self.assertEqual([one["item"] for one in found], list(range(count)))  # every one, once, in order
+        shares = [node.metric("batch_items_answered_total") for node in nodes[:2]]
+        print(f"# {count} items over three daemons, one killed: every answer once; the two others gave {shares}")
+        self.assertGreater(min(shares), 0)
+        for i in range(0, count, 7):
+            for j in range(0, count, 11):
+                self.assertAlmostEqual(found[i]["answer"]["distances"][0][j], found[j]["answer"]["distances"][0][i], delta=1e-12)
+
+    def test_the_database_goes_and_comes_back(self):
+        nodes = [self.start(), self.start()]
+        self.assertEqual(nodes[0].put("sphere", sample("icosphere", level=4)).status, 201)
+        begun = begin(nodes[1], {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))})
+        time.sleep(0.3)
+        self.database.stop()
+        time.sleep(1)
+        self.assertEqual(nodes[0].get(f"/v1/batches/{begun.json['id']}").status, 503)
+        self.database.start()
+        for node in nodes:
+            node.wait_until(lambda node: node.get("/v1/batches").status == 200, 10)
+        told = wait(nodes[0], begun.json["id"], 90)
+        self.assertEqual((told["done"], told["failed"]), (300, 0))
