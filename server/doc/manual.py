@@ -27,7 +27,9 @@ keeps in memory, within a budget, so that the next question is answered in micro
 .PP
 The whole contract is
 .I /openapi.json
-on the running daemon; a page to try it is at
+on the running daemon, for people at
+.IR /docs ;
+a viewer to try it is at
 .IR / .
 .PP
 Without keys it listens on loopback only. With

@@ -31,6 +31,12 @@ class Guide(TestCase):
         for path in re.findall(r"`((?:docker|engine/doc|tests|server)/[\w./-]*)`", GUIDE.read_text()):
             self.assertTrue(list(root.glob(path + "*")) if not path.endswith("/") else (root / path).is_dir(), path)
 
+    def test_what_it_links_is_there(self):
+        links = re.findall(r"\]\(([^)#:]+)\)", GUIDE.read_text())
+        self.assertGreater(len(links), 3)
+        for link in links:
+            self.assertTrue((GUIDE.parent / link).is_file(), link)
+
 
 if __name__ == "__main__":
     unittest.main()
