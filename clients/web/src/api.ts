@@ -39,9 +39,6 @@ export function pathOf(request: Request): string {
 }
 
 export class Api {
-  /** Called with each request that is sent. */
-  onRequest: (request: Request) => void = () => {};
-
   /** The access key, kept for this tab only. */
   get key(): string {
     return sessionStorage.getItem("key") ?? "";
@@ -62,7 +59,6 @@ export class Api {
 
   /** The response, right or wrong; a connection that breaks is an error with a sentence. */
   async fetch(request: Request, signal?: AbortSignal, headers: Record<string, string> = {}): Promise<Response> {
-    this.onRequest(request);
     const body = request.json !== undefined ? JSON.stringify(request.json) : request.file?.body;
     const options = { method: request.method, headers: this.headers(request, headers), body, signal };
     try {

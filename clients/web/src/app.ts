@@ -49,6 +49,8 @@ export class App {
   private readonly asker = new Latest<boolean>((live) => this.ask(live));
   private readonly chooser: Chooser;
   private opening: AbortController | undefined;
+  /** The surface that the points lie on. */
+  private placesOf: Surface | undefined;
   /** How many surfaces are on their way. */
   private loads = 0;
 
@@ -136,7 +138,7 @@ export class App {
     this.say(`Loading ${name}.`);
     this.loads++;
     try {
-      const surface = await loadSurface(this.api, kind, name);
+      const surface = await loadSurface(this.api, kind, name, (request) => this.bench.prelude.push(request));
       this.showSurface(surface, parameters);
     } catch (error) {
       this.fail(error);
@@ -182,9 +184,11 @@ export class App {
     }
     this.answer.hideProgress();
     this.opening = undefined;
-    if (made) await this.open(kind, made.name);
+    if (made) {
+      this.bench.prelude = [{ method: "PUT", path: `/v1/${kind}/${encodeURIComponent(made.name)}`, query, file }];
+      await this.open(kind, made.name);
+    }
     this.loads--;
-    if (made) this.answer.showRequests([{ method: "PUT", path: `/v1/${kind}/${made.name}`, query, file }, ...this.bench.made]);
   }
 
   private async remove(): Promise<void> {
@@ -223,8 +227,10 @@ export class App {
 
   private enterMode(parameters?: URLSearchParams): void {
     const { mode, points, bench } = this;
+    const before = this.placesOf === bench.surface ? points.all.map(({ place }) => place) : [];
+    this.placesOf = bench.surface;
     points.reset(mode.groups);
-    mode.settings.restore(parameters ?? new URLSearchParams());
+    if (parameters) mode.settings.restore(parameters);
     mode.enter();
     byId("hint").textContent = mode.hint;
     byId("mode").replaceChildren(...mode.settings.elements(), ...mode.extras());
@@ -232,15 +238,15 @@ export class App {
       const text = parameters?.get(group.id);
       if (text) points.restore(group.id, text, bench.surface!);
     }
-    if (points.all.length === 0) this.setFirstPoints();
+    if (points.all.length === 0) this.setFirstPoints(before);
     this.changed(false);
   }
 
-  /** As many points as the mode begins with, where the surface is seen about the middle of the picture. */
-  private setFirstPoints(): void {
-    let spot = 0;
+  /** As many points as the mode begins with: those of the mode before, then places where the surface is seen about the middle of the picture. */
+  private setFirstPoints(before: Place[]): void {
+    let spot = before.length;
     for (const group of this.mode.groups) {
-      const places = Array.from({ length: group.first ?? group.least }, () => this.spot(spot++));
+      const places = Array.from({ length: group.first ?? group.least }, () => before.shift() ?? this.spot(spot++));
       this.points.set(group.id, places.filter((place) => place !== null));
     }
   }

@@ -1,9 +1,11 @@
 // What every mode works with: the surface, its points, the picture, the panel, and calls that belong to the present question.
 
+import type { ResultsAnswer } from "../../js/types.d.ts";
 import type { Answer } from "./answer.ts";
 import { type Api, errorOf, type Request } from "./api.ts";
 import { runJob } from "./jobs.ts";
 import type { Legend } from "./legend.ts";
+import { pointOf } from "./place.ts";
 import type { Points } from "./points.ts";
 import type { Scene } from "./scene.ts";
 import type { Surface } from "./surface.ts";
@@ -27,6 +29,8 @@ export class Bench {
   taken: ReadonlySet<string> = new Set();
   /** Called when a mode has made meshes. */
   onMeshes: () => void = () => {};
+  /** What came before the next question and belongs to it: an upload, a discretization. */
+  prelude: Request[] = [];
   private requests: Request[] = [];
   private running: AbortController | undefined;
   private isJob = false;
@@ -60,7 +64,7 @@ export class Bench {
   /** Begins a question. */
   begin(): void {
     this.running = new AbortController();
-    this.requests = [];
+    this.requests = this.prelude.splice(0);
     this.isJob = false;
     this.begun = performance.now();
   }
@@ -115,6 +119,15 @@ export class Bench {
   async get(path: string, parameters?: Record<string, string>, accept?: string): Promise<Response> {
     const request: Request = { method: "GET", path: `${this.surface!.path}/${path}`, query: parameters, accept };
     return this.timed(request, () => this.api.fetch(request, this.running?.signal));
+  }
+
+  /** The exact distances to a set, and the nearest member, at the vertices of the finer mesh of a coarse one. Only the picture needs them: they are not among the requests that are shown. */
+  async fineDistances(set: object): Promise<{ values: Float64Array; labels: (number | null)[] } | null> {
+    const { fine } = this.surface!;
+    if (!fine) return null;
+    const request: Request = { method: "POST", path: `${this.surface!.path}/distance-to-set`, query: { fields: "distance,nearest" }, json: { set, points: fine.places.map(pointOf) } };
+    const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
+    return { values: Float64Array.from(results, ({ distance }) => distance ?? NaN), labels: results.map(({ nearest }) => nearest?.index ?? null) };
   }
 
   /** A question that may take long; from so many faces on a job. */

@@ -11,11 +11,11 @@ export interface Frame {
   binormal: Vec3;
 }
 
-const SIZE = 0.06; /* in the surface's frame */
+const SIZE = 0.075; /* in the surface's frame */
 const ROUND = 8; /* seconds that a whole curve takes */
 
 function shape(): Group {
-  const body = new Mesh(new ConeGeometry(SIZE * 0.4, SIZE * 2, 20).rotateZ(-Math.PI / 2), new MeshLambertMaterial({ color: "#c98a00" }));
+  const body = new Mesh(new ConeGeometry(SIZE * 0.3, SIZE * 2, 20).rotateZ(-Math.PI / 2), new MeshLambertMaterial({ color: "#c98a00" }));
   const fin = new Mesh(new BoxGeometry(SIZE * 0.6, SIZE * 0.08, SIZE * 0.9).translate(-SIZE * 0.5, 0, SIZE * 0.4), new MeshLambertMaterial({ color: "#7a1fa2" }));
   const wings = new Mesh(new BoxGeometry(SIZE * 0.5, SIZE * 1.8, SIZE * 0.08).translate(-SIZE * 0.3, 0, 0), new MeshLambertMaterial({ color: "#7a1fa2" }));
   return new Group().add(body, fin, wings);
@@ -67,7 +67,7 @@ export class Glider {
     const normal = between(a.normal, b.normal).normalize();
     const side = new Vector3().crossVectors(normal, tangent).normalize();
     const [from, to] = this.scene.toView([a.xyz, b.xyz]) as [Vec3, Vec3];
-    const position = between(from, to).addScaledVector(normal, SIZE * 0.35);
+    const position = between(from, to).addScaledVector(normal, SIZE * 0.55);
     this.object.matrix = new Matrix4().makeBasis(tangent, side, normal).setPosition(position);
   }
 }

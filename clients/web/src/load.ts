@@ -1,7 +1,7 @@
 // Surfaces from the daemon: their description, and the mesh that is shown for them.
 
-import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
-import { type Api, ApiError } from "./api.ts";
+import type { DiscretizeRequest, Mesh, Nurbs, Subdivision, TessellateRequest } from "../../js/types.d.ts";
+import { type Api, ApiError, type Request } from "./api.ts";
 import { parsePly } from "./ply.ts";
 import { type Kind, Surface } from "./surface.ts";
 
@@ -19,29 +19,35 @@ function levelOf(surface: Subdivision): number {
   return Math.max(surface.least_level, Math.min(surface.usual_level, 5, finest));
 }
 
+type Making = Request & { json: DiscretizeRequest | TessellateRequest };
+
 /** Makes the mesh that stands for a smooth surface. Who may not write sees the one that somebody made before. */
-async function discretized(api: Api, path: string, operation: string, options: { mesh: string } & Record<string, unknown>): Promise<Mesh> {
+async function discretized(api: Api, request: Making): Promise<Mesh> {
   try {
-    return await api.json<Mesh>({ method: "POST", path: `${path}/${operation}`, json: options });
+    return await api.json<Mesh>(request);
   } catch (error) {
     if (!(error instanceof ApiError && error.status === 403)) throw error;
-    return api.get<Mesh>(pathOf("meshes", options.mesh));
+    return api.get<Mesh>(pathOf("meshes", request.json.mesh));
   }
 }
 
-async function shownMesh(api: Api, kind: Kind, description: Mesh | Subdivision | Nurbs): Promise<Mesh> {
+/** The request that makes the mesh which is shown for a smooth surface; null for a mesh. */
+function discretization(kind: Kind, description: Mesh | Subdivision | Nurbs): Making | null {
   const path = pathOf(kind, description.name);
   if (kind === "subdivisions") {
-    const level = levelOf(description as Subdivision);
-    return discretized(api, path, "discretize", { mesh: `${description.name}-limit`, level });
+    const json = { mesh: `${description.name}-limit`, level: levelOf(description as Subdivision) };
+    return { method: "POST", path: `${path}/discretize`, json };
   }
-  if (kind === "nurbs") return discretized(api, path, "tessellate", { mesh: `${description.name}-mesh`, resolution: [128, 128] });
-  return description as Mesh;
+  if (kind === "meshes") return null;
+  return { method: "POST", path: `${path}/tessellate`, json: { mesh: `${description.name}-mesh`, resolution: [128, 128] } };
 }
 
-export async function loadSurface(api: Api, kind: Kind, name: string): Promise<Surface> {
+/** `onMade` is told the request that made a mesh for the surface. */
+export async function loadSurface(api: Api, kind: Kind, name: string, onMade: (request: Request) => void): Promise<Surface> {
   const description = await api.get<Mesh | Subdivision | Nurbs>(pathOf(kind, name));
-  const mesh = await shownMesh(api, kind, description);
+  const making = discretization(kind, description);
+  const mesh = making ? await discretized(api, making) : (description as Mesh);
+  if (making) onMade(making);
   return new Surface(kind, name, description, mesh, parsePly(await contentOf(api, mesh)));
 }
 

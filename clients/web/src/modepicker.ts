@@ -4,6 +4,7 @@ import type { App } from "./app.ts";
 import { byId, make } from "./dom.ts";
 
 export class ModePicker {
+  private shown = "";
   private readonly inputs: HTMLInputElement[];
 
   constructor(private readonly app: App) {
@@ -14,6 +15,10 @@ export class ModePicker {
   }
 
   private show(): void {
-    for (const input of this.inputs) input.checked = input.value === this.app.mode.id;
+    const { id } = this.app.mode;
+    if (id === this.shown) return;
+    this.shown = id;
+    for (const input of this.inputs) input.checked = input.value === id;
+    this.inputs.find((input) => input.checked)?.parentElement!.scrollIntoView({ block: "nearest", inline: "center" });
   }
 }

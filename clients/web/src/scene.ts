@@ -58,7 +58,7 @@ export class Scene {
     lamp.position.set(-0.6, 0.8, 1);
     this.camera.add(lamp);
     this.ground.add(this.camera, this.sky, this.solids);
-    this.above.add(new HemisphereLight(0xffffff, 0x606870, 3), this.props, this.lines.group);
+    this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp.clone(), this.props, this.lines.group);
     this.controls = this.makeControls("y");
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
@@ -124,7 +124,7 @@ export class Scene {
     this.props.clear();
     this.solids.clear();
     this.surface = surface;
-    this.skin = surface && new Skin(surface.positions, surface.triangles.faces);
+    this.skin = surface && new Skin(surface.positions, surface.triangles.faces, surface.fine);
     if (this.skin) this.ground.add(this.skin.mesh);
     this.redraw();
   }

@@ -39,7 +39,7 @@ export class NurbsMode extends Mode {
       ["point-curve", "from the start to curve B"],
       ["curves", "from curve A to curve B"],
     ]),
-    a: only("what", ["curves"], range("Curve A: u is", 0.15, 0, 1, 0.01, percent)),
+    a: only("what", ["curves"], range("Curve A: v is", 0.15, 0, 1, 0.01, percent)),
     b: only("what", ["curves", "point-curve"], range("Curve B: v is", 0.85, 0, 1, 0.01, percent)),
     minima: check("Longer local minima, too", false),
     net: check("Net of parameter lines", true),
@@ -48,6 +48,10 @@ export class NurbsMode extends Mode {
 
   private get nurbs(): Nurbs {
     return this.bench.surface!.description as Nurbs;
+  }
+
+  override get showsPoints(): boolean {
+    return this.settings.text("what") !== "curves";
   }
 
   override enter(): void {
@@ -88,10 +92,8 @@ export class NurbsMode extends Mode {
   }
 
   private curve(name: "a" | "b"): { curve: DomainCurve; line: Uv[] } {
-    const part = this.settings.number(name);
-    const axis = name === "a" ? 0 : 1;
-    const line = this.line(axis, part);
-    return { curve: { iso: axis === 0 ? "u" : "v", value: line[0]![axis] }, line };
+    const line = this.line(1, this.settings.number(name));
+    return { curve: { iso: "v", value: line[0]![1] }, line };
   }
 
   async ask(): Promise<void> {
@@ -125,7 +127,7 @@ export class NurbsMode extends Mode {
     this.lines("path", [places(found).map(({ xyz }) => xyz)], INK.path, 4);
     this.showNet();
     const drawing = domainDrawing(this.nurbs, [
-      ...curves.map((points) => ({ points, style: "curve" })),
+      ...curves.map((points, i) => ({ points, style: i + 2 === curves.length ? "a" : "b" })),
       { points: found.control_points ?? [], style: "polygon" },
       ...longer.map((minimum) => ({ points: places(minimum).map(({ uv }) => uv), style: "longer" })),
       { points: places(found).map(({ uv }) => uv), style: "path" },
