@@ -64,5 +64,5 @@ deb: ## Debian packages: daemon, clients, libraries (wants debhelper)
 test-package: build client-c ## the Debian packages in a fresh Debian: installed, run, removed (wants debhelper, lintian, mmdebstrap, root)
 	@tests/package/run.py --build $(BUILD) --chroot
 
-test-cluster: build ## several nodes behind HAProxy and on one PostgreSQL (wants haproxy, wrk, postgresql)
-	@tests/run.py --jobs 1 --timeout 1800 tests/cluster/routing.py "tests/cluster/run.py --long" tests/cluster/shipped.py
+test-cluster: build $(BUILD)/gd_load ## several nodes behind HAProxy and on one PostgreSQL (wants haproxy, wrk, postgresql)
+	@tests/run.py --jobs 1 --timeout 1800 tests/cluster/routing.py tests/cluster/shared.py "tests/cluster/run.py --long" tests/cluster/capacity.py tests/cluster/shipped.py

@@ -1,7 +1,6 @@
 """HAProxy in front of nodes, with the shipped docker/haproxy.cfg: only addresses are put in, and what a test wants otherwise."""
 import pathlib
 import re
-import socket
 import subprocess
 import sys
 import tempfile
@@ -11,16 +10,11 @@ import urllib.request
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "api"))
 
+from cluster import free_port  # noqa: E402
 from harness import PATIENCE_SECONDS  # noqa: E402
 
 SHIPPED = HERE.parent.parent / "docker/haproxy.cfg"
 DRAIN_DELAY_MS = 3000  # as the shipped file asks of the nodes
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 class Front:

@@ -1,9 +1,16 @@
 """Questions asked of a front by several clients at once, whose answers are known beforehand, to the last byte."""
 import collections
 import http.client
+import json
+import pathlib
 import random
+import sys
 import threading
 import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "fault"))
+
+from common import mesh  # noqa: E402
 
 SEARCHES = 16  # a source that is asked about so often gets its field
 
@@ -90,3 +97,61 @@ class Load:
 
     def told(self):
         return f"{self.count} answers, {len(self.failed)} failed, {len(self.wrong)} wrong, the slowest in {1000 * self.slowest:.0f} ms"
+
+
+class Uploads:
+    """A client that stores one mesh after the other, each with an edge of a length of its own, and asks for it at once, until `stop`."""
+
+    def __init__(self, port, prefix):
+        self.port, self.prefix = port, prefix
+        self.stored, self.refused, self.wrong = {}, [], []
+        self.stopped = threading.Event()
+        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.thread.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stopped.set()
+        self.thread.join()
+
+    def ask(self, method, path, body=None):
+        """Status and body; 0: the connection broke."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        try:
+            connection.request(method, path, body)
+            response = connection.getresponse()
+            return response.status, response.read()
+        except (http.client.HTTPException, OSError) as error:
+            return 0, repr(error)
+        finally:
+            connection.close()
+
+    def run(self):
+        number = 0
+        while not self.stopped.is_set():
+            number += 1
+            name, edge = f"{self.prefix}{number}", 1 + number / 1024
+            status, body = self.ask("PUT", f"/v1/meshes/{name}", mesh(edge))
+            if status != 201:
+                self.refused.append((name, status, body[:120]))
+                continue
+            self.stored[name] = edge
+            self.verify(name, may_be_refused=True)
+
+    def verify(self, name, may_be_refused=False):
+        """`may_be_refused`: its node may have lost the store meanwhile."""
+        status, body = self.ask("GET", f"/v1/meshes/{name}/distance?from=v:0&to=v:1")
+        if may_be_refused and status == 503:
+            return
+        if status != 200 or json.loads(body)["distance"] != self.stored[name]:
+            self.wrong.append((name, status, body[:120]))
+
+    def verify_all(self):
+        for name in self.stored:
+            self.verify(name)
+        return self
+
+    def told(self):
+        return f"{len(self.stored)} acknowledged, {len(self.refused)} refused, {len(self.wrong)} wrong" + "".join(f"; {item}" for item in (self.refused + self.wrong)[:2])

@@ -7,7 +7,8 @@ sys.path.insert(0, str(HERE.parent / "api"))
 sys.path.insert(0, str(HERE.parent / "fault"))
 
 import harness  # noqa: E402
-from front import DRAIN_DELAY_MS, free_port  # noqa: E402
+from cluster import free_port  # noqa: E402
+from front import DRAIN_DELAY_MS  # noqa: E402
 
 FLAGS = ("--drain-delay-ms", str(DRAIN_DELAY_MS), "--max-address-connections", "0", "--http-threads", "1", "--workers", "1")
 

@@ -25,9 +25,14 @@ import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
+LABELS = {"VERSION": "version", "REVISION": "revision", "CREATED": "created", "SOURCE": "source"}  # build arguments, and what they are called in the image
+TOLD = {"VERSION": "1.2.3", "REVISION": "0123abcd", "CREATED": "2026-01-02T03:04:05Z", "SOURCE": "https://geodesicd.example/source"}
+PARTS = "usr/share/doc/geodesicd/sbom.spdx.json"
 BASE, IMAGE = "localhost/geodesicd-base", "localhost/geodesicd-test"
+HOST_TRUST = pathlib.Path("/etc/ssl/certs/ca-certificates.crt")
 PATIENCE_SECONDS = 60
 USER = 10001
+VIEWER = os.environ.get("VIEWER")  # no: without the pages, which npm makes
 DATA = "/var/lib/geodesicd"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
 
@@ -51,7 +56,7 @@ class Store:
         return subprocess.run([*self.prefix, "inspect", "--type", "image", image], env=self.environment, capture_output=True).returncode == 0
 
     def make_base(self):
-        """A minimal Debian 12, from wherever this machine takes its packages."""
+        """A minimal Debian 12, from wherever this machine takes its packages, which trusts whom this machine trusts (npm asks by TLS)."""
         if self.has(BASE):
             return
         archive = self.place / "base.tar"
@@ -59,12 +64,15 @@ class Store:
                        stdin=subprocess.DEVNULL, capture_output=True)
         container = self("from", "scratch")
         self("add", "-q", container, archive, "/")
+        if HOST_TRUST.exists():
+            self("add", "-q", container, HOST_TRUST, HOST_TRUST)
         self("commit", "-q", container, BASE)
         self("rm", container)
         archive.unlink()
 
     def make_image(self, jobs):
-        self("bud", "-q", "--pull-never", "--layers", "--build-arg", f"BASE={BASE}", "--build-arg", f"JOBS={jobs}", "-t", IMAGE, "-f",
+        self("bud", "-q", "--pull-never", "--layers", "--build-arg", f"BASE={BASE}", "--build-arg", f"JOBS={jobs}",
+             *(part for name, text in TOLD.items() for part in ("--build-arg", f"{name}={text}")), *(["--build-arg", f"VIEWER={VIEWER}"] if VIEWER else []), "-t", IMAGE, "-f",
              "docker/Dockerfile", ".")
 
 
@@ -72,7 +80,7 @@ class Life:
     """A running container: its key, if it printed one, and its log."""
 
     def __init__(self, command, port, environment=None):
-        self.port, self.key, self.log = port, None, []
+        self.port, self.key, self.log, self.begun = port, None, [], time.monotonic()
         self.process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                         stderr=subprocess.PIPE, text=True, start_new_session=True)
         self.listening = threading.Event()
@@ -88,6 +96,7 @@ class Life:
             except json.JSONDecodeError:
                 self.log.append({"event": "not JSON", "message": text})
             if self.log[-1].get("event") == "listening":
+                self.start_seconds = time.monotonic() - self.begun
                 self.listening.set()
         self.listening.set()
 
@@ -146,6 +155,31 @@ class Trial:
         self.expect("the image's user is not root", self.image["User"] == str(USER), self.image["User"])
         self.expect("the image listens beyond loopback", "GEODESICD_LISTEN=0.0.0.0:8080" in self.image["Env"], self.image["Env"])
 
+    def look_at_the_labels(self):
+        labels = {name.removeprefix("org.opencontainers.image."): text for name, text in self.image["Labels"].items()}
+        self.expect("its labels say what it was built from", all(labels.get(label) == TOLD[name] for name, label in LABELS.items()), labels)
+        self.expect("its labels say what it is", labels.get("title") == "geodesicd" and labels.get("licenses") == "MIT", labels)
+
+    def look_at_the_parts(self, root, place):
+        """Against dpkg's own list, and the rules of SPDX 2.3 for identifiers and relations."""
+        text = (root / PARTS).read_text()
+        (place / "sbom.spdx.json").write_text(text)
+        parts = json.loads(text)
+        blocks = (root / "var/lib/dpkg/status").read_text().split("\n\n")
+        installed = {tuple(re.search(rf"^{field}: (.*)$", block, re.M)[1] for field in ("Package", "Version"))
+                     for block in blocks if "\nStatus: install ok installed" in block}
+        listed = {(part["name"], part["versionInfo"]) for part in parts["packages"]}
+        self.expect("its parts list has every package, and the daemon", listed == installed | {("geodesicd", TOLD["VERSION"])}, listed ^ installed)
+        names = [part["SPDXID"] for part in parts["packages"]]
+        self.expect("parts have names of their own", len(set(names)) == len(names) and all(re.fullmatch(r"SPDXRef-[A-Za-z0-9.-]+", name) for name in names), names)
+        relations = [(item["spdxElementId"], item["relationshipType"], item["relatedSpdxElement"]) for item in parts["relationships"]]
+        self.expect("the list describes the daemon, which depends on all others",
+                    relations == [("SPDXRef-DOCUMENT", "DESCRIBES", names[0]), *((names[0], "DEPENDS_ON", name) for name in names[1:])])
+        self.expect("the list says which form it has", (parts["spdxVersion"], parts["dataLicense"], parts["creationInfo"]["created"]) == ("SPDX-2.3", "CC0-1.0", TOLD["CREATED"]))
+        size = sum(path.lstat().st_size for path in root.rglob("*") if not path.is_symlink() and path.is_file())
+        own = sum((root / name).stat().st_size for name in ("usr/bin/geodesicd", PARTS))
+        print(f"# container: {size / 1e6:.0f} MB in {len(names)} parts, {own / 1e6:.1f} MB of them the daemon", flush=True)
+
     def first_life(self, container):
         """As buildah runs it."""
         port = free_port()
@@ -178,6 +212,7 @@ class Trial:
         script = " && ".join([*mounts, "exec " + shlex.join(enter)])
         life = Life(["unshare", "--mount", "--propagation", "private", "sh", "-c", script], port)
         self.expect("it starts on a read-only root", life.listening.wait(PATIENCE_SECONDS) and life.process.poll() is None, life.log)
+        print(f"# container: listens {1000 * life.start_seconds:.0f} ms after it is started", flush=True)
         self.expect("later starts print no key", life.key is None)
         status, body = life.ask("/v1/meshes/square/distance?from=v:0&to=v:2", key)
         self.expect("the key and the mesh are there again", status == 200 and abs(json.loads(body)["distance"] - 2**0.5) < 1e-12, body)
@@ -215,6 +250,8 @@ def main():
         trial.look_at_the_image()
         container = store("from", "--pull-never", IMAGE)
         try:
+            trial.look_at_the_labels()
+            trial.look_at_the_parts(pathlib.Path(store("mount", container)), store.place)
             trial.second_life(container, trial.first_life(container))
         finally:
             store("rm", container)
