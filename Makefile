@@ -97,9 +97,9 @@ test: setup-test nurbs-peers web-peers ## set up and run all tests
 	    "tests/bench/throughput.py --quick --build $(BUILD)" \
 	    tests/oracle/mirror.py tests/api/run.py tests/cluster/run.py "tests/package/run.py --build $(BUILD)" "tests/cluster/routing.py --short" "tests/cluster/shared.py --short" "tests/cluster/capacity.py --short" tests/cluster/shipped.py $(FAULT_TESTS) "$(FUZZ_SHORT)" "$(FUZZ_REPLAY)"
 
-# Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py is skipped.
-NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0
-nurbs-peers: ## programs that evaluate NURBS too, for the tests (wants npm)
+# Programs of others, below $(BUILD). Without npm or a network, tests/api/test_nurbs_peers.py, and half of test_files.py, are skipped.
+NURBS_PEERS := verb-nurbs@3.0.3 three@0.187.0 rhino3dm@8.35.0 gltf-validator@2.0.0-dev.3.10
+nurbs-peers: ## programs that evaluate NURBS, or read glTF, too, for the tests (wants npm)
 	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi

@@ -20,7 +20,7 @@ PUBLIC = {
     "query": ["query", "landmarks", "sampling", "curve", "curve_distance"],
     "render": ["picture"],
     "cut": ["cut"],
-    "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset"],
+    "transport": ["trace", "vector", "mean", "spline", "frame", "shortening", "resampling", "offset", "flat_strip"],
     "subdiv": ["subdivision", "limit", "limit_place", "limit_path", "limit_mesh", "limit_shortest", "discretization"],
     "nurbs": ["parametric", "nurbs", "domain_curve", "tessellation", "geodesic_like", "space_distance"],
 }
@@ -33,7 +33,6 @@ BOUNDARY = {
     r"gnutls/.*": ["server/*.c"],
     r"zlib\.h": ["server/*.c", "engine/render/png.c"],
     r"sqlite3\.h": ["server/store*.c"],
-    r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
     r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
 }
 

@@ -9,6 +9,7 @@
 #include "proto/field.h"
 #include "server/handlers/evaluation.h"
 #include "server/handlers/field_query.h"
+#include "server/handlers/result.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -59,7 +60,7 @@ static bool parse_values(struct server_query *query, const struct proto_paramete
     struct server_field_query *field = (struct server_field_query *)query;
     (void)parameters;
     field->answer = answer_values;
-    field->is_quick = value_count(query) <= QUICK_VERTICES;
+    field->is_quick = value_count(query) <= QUICK_VERTICES && query->form < SERVER_FORM_FIRST;
     return server_field_query_of_resource(field, problem);
 }
 
@@ -84,11 +85,18 @@ static void *values_as_bytes(const struct server_query *query, size_t *size)
     return bytes;
 }
 
-/* The two forms have one ETag. */
-static unsigned values_status(struct server_query *query)
+/* The distances with the mesh that they are the distances on, which is always there. */
+static const struct server_form value_forms[] = {{"ply", "application/x-ply", false},
+                                                 {"glb", "model/gltf-binary", false},
+                                                 {"csv", "text/csv", false},
+                                                 {NULL, NULL, false}};
+static const enum gd_result_format value_formats[] = {GD_RESULT_PLY, GD_RESULT_GLB, GD_RESULT_CSV};
+
+static bool write_values(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
 {
-    server_reply_header(query->exchange, "Vary", "Accept");
-    return 200;
+    const struct gd_result result = {.distances = ((const struct values *)query)->values};
+    return server_result_write(query, &result, true, value_formats[query->form - SERVER_FORM_FIRST], bytes, size,
+                               problem);
 }
 
 static void release_values(struct server_query *query)
@@ -108,8 +116,9 @@ static const struct server_query_kind values_kind = {.name = "values",
                                                      .solve = server_field_query_solve,
                                                      .encode = encode_values,
                                                      .bytes = values_as_bytes,
-                                                     .release = release_values,
-                                                     .status = values_status};
+                                                     .forms = value_forms,
+                                                     .write = write_values,
+                                                     .release = release_values};
 
 void server_handle_get_field_values(struct server_exchange *exchange)
 {

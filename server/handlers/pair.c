@@ -13,6 +13,7 @@
 #include "server/cache.h"
 #include "server/field_build.h"
 #include "server/handlers/query.h"
+#include "server/handlers/result.h"
 #include "server/landmarks.h"
 #include "server/pair_search.h"
 #include "server/server.h"
@@ -47,7 +48,7 @@ static bool locate(struct server_query *query, struct proto_points *stops, struc
     struct pair *pair = (struct pair *)query;
     bool ok = proto_points_locate(query->surface->mesh, stops, &pair->stops, problem);
     proto_points_free(stops);
-    pair->wants_path = query->options.fields & PROTO_PAIR_FIELD_PATH;
+    pair->wants_path = query->options.fields & PROTO_PAIR_FIELD_PATH || query->form >= SERVER_FORM_FIRST;
     return ok;
 }
 
@@ -237,13 +238,32 @@ static void encode(const struct server_query *query, struct proto_writer *writer
     proto_pair_encode(writer, &pair->stops, &pair->answer, &query->options);
 }
 
+/* The path as a file; the first three are result files (gd/result_file.h). */
+static const struct server_form path_forms[] = {{"obj", "model/obj", true},
+                                                {"glb", "model/gltf-binary", true},
+                                                {"csv", "text/csv", false},
+                                                {"svg", "image/svg+xml", false},
+                                                {NULL, NULL, false}};
+static const enum gd_result_format path_formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
+
+static bool write_path(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
+{
+    const struct gd_pair_answer *answer = &((const struct pair *)query)->answer;
+    unsigned form = query->form - SERVER_FORM_FIRST;
+    if (isinf(answer->distance)) return server_result_refuse_no_path(problem);
+    if (form < sizeof path_formats / sizeof path_formats[0])
+        return server_result_write_path(query, &answer->path, path_formats[form], bytes, size, problem);
+    return server_result_write_strip(query, &answer->path, bytes, size, problem);
+}
+
 #define PAIR_STEPS                                                                                                     \
     .size = sizeof(struct pair), .parameters = proto_pair_parameters, .decode = decode, .parse = parse,                \
     .glance = glance, .join = join, .solve = solve, .encode = encode, .release = release
 
 const struct server_query_kind server_query_distance = {
     .name = "distance", .fields = proto_distance_fields, PAIR_STEPS};
-const struct server_query_kind server_query_path = {.name = "path", .fields = proto_path_fields, PAIR_STEPS};
+const struct server_query_kind server_query_path = {
+    .name = "path", .fields = proto_path_fields, .forms = path_forms, .write = write_path, PAIR_STEPS};
 
 void server_handle_distance(struct server_exchange *exchange)
 {

@@ -4,14 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "proto/accept.h"
+#include "server/etag.h"
 #include "server/handlers/description.h"
 #include "server/handlers/request.h"
 #include "server/reply.h"
 #include "server/server.h"
 
-#define JSON  "application/json"
 #define BYTES "application/octet-stream"
+
+enum { MOST_PARAMETERS = 24 };
 
 /* --- life --------------------------------------------------------------------------------------------------------- */
 
@@ -69,13 +70,6 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
 
 /* --- a request of its own ----------------------------------------------------------------------------------------- */
 
-/* The float64 form only where it is wanted more than JSON. */
-static bool wants_bytes(const struct server_exchange *exchange, const struct server_query_kind *kind)
-{
-    const char *accept = server_exchange_header(exchange, "Accept");
-    return kind->bytes && proto_accept_quality(accept, BYTES) > proto_accept_quality(accept, JSON);
-}
-
 static void reply_bytes(struct server_query *query)
 {
     size_t size = 0;
@@ -86,13 +80,37 @@ static void reply_bytes(struct server_query *query)
         server_reply_refusal(query->exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
 }
 
+static void reply_form(struct server_query *query)
+{
+    const struct server_form *form = &query->kind->forms[query->form - SERVER_FORM_FIRST];
+    struct proto_problem problem;
+    char *bytes;
+    size_t size;
+    if (!query->kind->write(query, &bytes, &size, &problem)) {
+        server_reply_problem(query->exchange, &problem);
+        return;
+    }
+    server_reply_header(query->exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"", query->kind->name,
+                        form->name);
+    server_reply_bytes(query->exchange, 200, form->media_type, bytes, size);
+}
+
 static void reply_answer(struct server_query *query)
 {
     struct proto_writer writer;
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
     server_description_tag(query->exchange, query->surface->record);
-    if (wants_bytes(query->exchange, query->kind)) {
+    if (query->kind->reply) {
+        query->kind->reply(query);
+        return;
+    }
+    if (query->kind->forms) server_reply_header(query->exchange, "Vary", "Accept");
+    if (query->form == SERVER_FORM_BYTES) {
         reply_bytes(query);
+        return;
+    }
+    if (query->form >= SERVER_FORM_FIRST) {
+        reply_form(query);
         return;
     }
     proto_writer_init(&writer, SERVER_REPLY_MOST);
@@ -136,7 +154,11 @@ static bool read_query(struct server_query *query, struct proto_problem *problem
     const struct server_query_kind *kind = query->kind;
     bool has_body = query->exchange->match.route->has_body;
     struct proto_parameters parameters = server_exchange_parameters(query->exchange);
-    if (!proto_options_parse(&parameters, kind->fields, has_body ? NULL : kind->parameters, &query->options, problem))
+    const char *room[MOST_PARAMETERS];
+    const char *const *names =
+        server_form_parameters(has_body ? NULL : kind->parameters, kind->forms, room, MOST_PARAMETERS);
+    if (!proto_options_parse(&parameters, kind->fields, names, &query->options, problem)) return false;
+    if (kind->forms && !server_form_wants_mesh(&parameters, kind->forms, query->form, &query->with_mesh, problem))
         return false;
     if (!has_body) return kind->parse(query, &parameters, problem);
     json_t *document = server_request_document(query->exchange, problem);
@@ -151,6 +173,18 @@ static void free_query(void *query)
     server_query_destroy(query);
 }
 
+/* Replies without an answer to who has it already, so that it need not be found once more: the same question about the same surface. */
+static bool is_known(struct server_query *query)
+{
+    struct server_exchange *exchange = query->exchange;
+    if (!query->kind->reply || !exchange->has_conditions) return false;
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    if (!server_precondition_known(&precondition, query->surface->record->etag)) return false;
+    server_description_tag(exchange, query->surface->record);
+    server_reply_empty(exchange, 304);
+    return true;
+}
+
 static void begin(struct server_query *query)
 {
     struct server_exchange *exchange = query->exchange;
@@ -160,21 +194,29 @@ static void begin(struct server_query *query)
         server_reply_problem(exchange, &problem);
         return;
     }
+    if (is_known(query)) return;
     server_exchange_shorten(exchange, query->options.timeout_ms);
-    enum server_query_turn turn = server_query_glance(query, &problem);
+    enum server_query_turn turn = query->with_mesh ? SERVER_QUERY_AGAIN : server_query_glance(query, &problem);
     reply_turn(query, turn, &problem);
     if (turn == SERVER_QUERY_AGAIN) server_exchange_defer(exchange, work, join);
 }
 
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind)
 {
-    if (!wants_bytes(exchange, kind) && !server_reply_accepts_json(exchange)) return;
+    struct proto_problem problem;
+    unsigned form = SERVER_FORM_JSON;
+    if (!kind->reply && !server_form_choose(exchange, kind->forms, kind->bytes, &form, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
     struct server_query *query = server_query_create(kind, exchange, surface);
     server_surface_release(surface);
-    if (query)
-        begin(query);
-    else
+    if (!query) {
         server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+        return;
+    }
+    query->form = form;
+    begin(query);
 }

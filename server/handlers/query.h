@@ -5,7 +5,7 @@
  *     decode or parse    once: reads the question and puts its points on the mesh
  *     glance             once, perhaps by an HTTP thread: answers if that takes no time
  *     solve              by a worker, as long as the turn is AGAIN or, after the exchange has come back, PARKED
- *     encode or bytes    once the turn is DONE
+ *     encode, bytes or write    once the turn is DONE
  *     release            in the end, at whatever step that is
  * A query belongs to the thread that has its exchange: whoever gets PARKED touches neither any more. */
 #ifndef SERVER_HANDLERS_QUERY_H
@@ -16,6 +16,7 @@
 #include "proto/options.h"
 #include "proto/writer.h"
 #include "server/exchange.h"
+#include "server/handlers/form.h"
 #include "server/surface.h"
 
 enum server_query_turn {
@@ -30,13 +31,15 @@ struct server_query {
     struct server_exchange *exchange; /* on whose behalf */
     struct server_surface *surface;   /* a reference */
     struct proto_options options;
+    unsigned form;       /* of the answer, form.h */
+    bool with_mesh;      /* the form is to have the mesh with it */
     double begun, share; /* of the exchange's work, see struct server_monitor */
 };
 
 struct server_query_kind {
-    const char *name; /* as in the path, and in a batch */
-    size_t size;      /* of its own struct */
-    const char *const *fields;
+    const char *name;              /* as in the path, and in a batch */
+    size_t size;                   /* of its own struct */
+    const char *const *fields;     /* of the JSON answer; NULL: it has another form, see `reply` */
     const char *const *parameters; /* of its GET form besides the options; NULL: there is no such form */
     bool (*decode)(struct server_query *query, const json_t *document, struct proto_problem *problem);
     bool (*parse)(struct server_query *query, const struct proto_parameters *parameters, struct proto_problem *problem);
@@ -44,8 +47,12 @@ struct server_query_kind {
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer);
+    void (*reply)(struct server_query *query); /* instead of encode: the answer is no JSON. NULL: it is */
     void *(*bytes)(const struct server_query *query,
-                   size_t *size);                   /* the answer as float64, by malloc; NULL: it has no such form */
+                   size_t *size);    /* the answer as float64, by malloc; NULL: it has no such form */
+    const struct server_form *forms; /* the answer's other forms; NULL: none */
+    /* The answer in the query's form, which is one of these, by malloc. Its memory is the exchange's `held`. False with the problem. */
+    bool (*write)(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem);
     void (*release)(struct server_query *query);    /* what its own struct holds; NULL: nothing */
     unsigned (*status)(struct server_query *query); /* of the answer, its own headers being set; NULL: 200 */
 };

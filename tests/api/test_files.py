@@ -1,0 +1,215 @@
+"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG; glTF in and out; and what others make of it."""
+import csv
+import io
+import json
+import math
+import pathlib
+import shutil
+import struct
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+from harness import PROGRAM, SQUARE, TWO_TRIANGLES, TestCase, sample
+
+PEERS = PROGRAM.parent / "peers"
+SCRIPT = pathlib.Path(__file__).with_name("gltf_peers.mjs")
+SVG = "{http://www.w3.org/2000/svg}"
+KINDS = {"ply": "application/x-ply", "glb": "model/gltf-binary", "csv": "text/csv", "obj": "model/obj", "svg": "image/svg+xml"}
+
+
+def read_glb(body):
+    """The document and its accessors' numbers, each list flat. Asserts what the container promises."""
+    magic, version, length, size, kind = struct.unpack_from("<4sIII4s", body)
+    assert (magic, version, length, kind) == (b"glTF", 2, len(body), b"JSON") and size % 4 == 0, body[:20]
+    document, rest = json.loads(body[20:20 + size]), body[20 + size:]
+    assert struct.unpack_from("<I4s", rest) == (len(rest) - 8, b"BIN\0") and len(rest) % 4 == 0
+    binary, lists = rest[8:], []
+    assert document["buffers"] == [{"byteLength": len(binary)}]
+    for accessor in document["accessors"]:
+        view = document["bufferViews"][accessor["bufferView"]]
+        letter = {5123: "H", 5125: "I", 5126: "f"}[accessor["componentType"]]
+        count = accessor["count"] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        begin = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        assert begin % 4 == 0 and begin + struct.calcsize(f"<{count}{letter}") <= view["byteOffset"] + view["byteLength"]
+        lists.append(struct.unpack_from(f"<{count}{letter}", binary, begin))
+        if "min" in accessor:
+            assert accessor["min"] == [min(lists[-1][axis::3]) for axis in range(3)]
+            assert accessor["max"] == [max(lists[-1][axis::3]) for axis in range(3)]
+    return document, lists
+
+
+class Files(TestCase):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.put_all({"square": SQUARE, "torus": sample("torus", columns=12, rows=7), "apart": TWO_TRIANGLES})
+
+    def get_file(self, path, form, **headers):
+        answer = self.daemon.get(path + ("&" if "?" in path else "?") + f"format={form}", **headers)
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, KINDS[form]), answer)
+        self.assertIn(f'.{form}"', answer.headers["Content-Disposition"])
+        self.assertEqual(answer.headers["Vary"].split(",")[0], "Accept")
+        return answer.body
+
+    def values_of(self, mesh, **document):
+        made = self.daemon.ask(mesh, "fields", {"set": {"points": [{"vertex": 0}]}, **document}).json
+        path = f"/v1/meshes/{mesh}/fields/{made['id']}/values"
+        return path, self.daemon.get(path).json["values"]
+
+
+class Fields(Files):
+    def test_rows_of_csv(self):
+        path, values = self.values_of("torus", max_distance=0.7)
+        rows = list(csv.reader(io.StringIO(self.get_file(path, "csv").decode(), newline="")))
+        self.assertEqual(rows[0], ["vertex", "x", "y", "z", "distance"])
+        self.assertEqual([int(row[0]) for row in rows[1:]], list(range(len(values))))
+        self.assertEqual([float(row[4]) if row[4] else None for row in rows[1:]], values)
+        self.assertIn(None, values)
+
+    def test_ply_has_the_distance_at_each_vertex(self):
+        path, values = self.values_of("torus")
+        body = self.get_file(path, "ply")
+        header, rest = body.split(b"end_header\n", 1)
+        self.assertIn(b"property double z\nproperty double distance\n", header)
+        self.assertEqual([struct.unpack_from("<4d", rest, 32 * i)[3] for i in range(len(values))], values)
+        self.assertEqual(self.daemon.put("as-ply", body).json["area"], self.daemon.get("/v1/meshes/torus").json["area"])
+
+    def test_glb_has_colours(self):
+        path, values = self.values_of("torus")
+        document, (places, corners, colours, distances) = read_glb(self.get_file(path, "glb"))
+        primitive = document["meshes"][0]["primitives"][0]
+        self.assertEqual(primitive["attributes"], {"POSITION": 0, "COLOR_0": 2, "_DISTANCE": 3})
+        for value, distance in zip(values, distances):
+            self.assertAlmostEqual(value, distance, 6)
+        nearest, farthest = values.index(0), values.index(max(values))
+        light = [sum(colours[4 * i:4 * i + 3]) for i in (nearest, farthest)]
+        self.assertLess(light[0], light[1])
+        self.assertEqual((len(places), len(corners)), (3 * len(values), 3 * self.daemon.get("/v1/meshes/torus").json["faces"]))
+
+    def test_by_accept(self):
+        path, values = self.values_of("square")
+        self.assertEqual(self.daemon.get(path, Accept="text/csv").headers["Content-Type"], "text/csv")
+        self.assertEqual(self.daemon.get(path, Accept="*/*").json["values"], values)
+        self.assertEqual(self.daemon.get(path, Accept="application/json, model/gltf-binary").json["values"], values)
+        self.assertEqual(len(self.daemon.get(path, Accept="application/octet-stream").body), 8 * len(values))
+        self.assert_problem(self.daemon.get(path, Accept="image/png"), 406, "not_acceptable")
+        problem = self.assert_problem(self.daemon.get(path + "?format=svg"), 400, "invalid_request")
+        self.assertEqual(problem["parameter"], "format")
+
+
+class Paths(Files):
+    QUESTION = "/v1/meshes/torus/path?from=v:3&to=f:50:0.2,0.3,0.5"
+
+    def path(self):
+        return self.daemon.get(self.QUESTION + "&geometry=xyz").json["path"]
+
+    def test_obj_has_a_line(self):
+        path = self.path()
+        lines = self.get_file(self.QUESTION, "obj").decode().splitlines()
+        self.assertEqual([[float(word) for word in line.split()[1:]] for line in lines if line[0] == "v"], path["points"])
+        self.assertEqual(lines[-1], "l " + " ".join(str(i + 1) for i in range(len(path["points"]))))
+        both = self.get_file(self.QUESTION + "&mesh=true", "obj")
+        again = self.daemon.put("with-line", both).json
+        self.assertEqual(again["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
+
+    def test_csv_tells_how_far_along(self):
+        path = self.path()
+        rows = list(csv.DictReader(io.StringIO(self.get_file(self.QUESTION, "csv").decode(), newline="")))
+        self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], path["points"])
+        self.assertAlmostEqual(float(rows[-1]["along"]), path["length"], 12)
+
+    def test_glb_has_a_strip_of_lines(self):
+        path = self.path()
+        document, lists = read_glb(self.get_file(self.QUESTION, "glb"))
+        self.assertEqual([p["mode"] for p in document["meshes"][0]["primitives"]], [3])
+        origin = document["nodes"][0]["translation"]
+        for i, point in enumerate(path["points"]):
+            for axis in range(3):
+                self.assertAlmostEqual(origin[axis] + lists[0][3 * i + axis], point[axis], 6)
+        document, lists = read_glb(self.get_file(self.QUESTION + "&mesh=true", "glb"))
+        self.assertEqual([p.get("mode", 4) for p in document["meshes"][0]["primitives"]], [4, 3])
+
+    def test_svg_is_the_strip_laid_flat(self):
+        """On a line of the drawing's own coordinates: as long as the path, and straight where it passes through no vertex."""
+        path = self.path()
+        drawing = xml.etree.ElementTree.fromstring(self.get_file(self.QUESTION, "svg"))
+        group = drawing.find(f"{SVG}g")
+        points = [tuple(map(float, pair.split(","))) for pair in group.find(f"{SVG}polyline").get("points").split()]
+        self.assertEqual(len(points), len(path["points"]))
+        self.assertAlmostEqual(sum(math.dist(a, b) for a, b in zip(points, points[1:])), path["length"], 12)
+        self.assertEqual(points[0], (0, 0))
+        self.assertAlmostEqual(points[-1][1], 0, 12)
+        faces = group.find(f"{SVG}path").get("d").count("M")
+        self.assertGreaterEqual(faces, len(points) - 1)
+        self.assertIn("unit of the mesh", "".join(drawing.itertext()))
+
+    def test_by_post_and_by_way_of_others(self):
+        document = {"from": {"vertex": 0}, "to": {"vertex": 40}, "via": [{"face": 9, "barycentric": [0.3, 0.3, 0.4]}]}
+        for form in ("obj", "glb", "csv", "svg"):
+            answer = self.daemon.request("POST", f"/v1/meshes/torus/path?format={form}", json.dumps(document), {"Content-Type": "application/json"})
+            self.assertEqual((answer.status, answer.headers["Content-Type"]), (200, KINDS[form]), answer)
+        answer = self.daemon.get("/v1/meshes/torus/path?from=v:5&to=v:5&format=svg")
+        self.assertEqual(answer.status, 200, answer)
+
+    def test_what_can_not_be_had(self):
+        answer = self.daemon.get("/v1/meshes/apart/path?from=v:0&to=v:5&format=obj")
+        self.assertIn("no path", self.assert_problem(answer, 406, "not_acceptable")["detail"])
+        for more, name in (("&format=ply", "format"), ("&format=csv&mesh=true", "mesh"), ("&mesh=true", "mesh"), ("&format=glb&mesh=yes", "mesh")):
+            problem = self.assert_problem(self.daemon.get(self.QUESTION + more), 400, "invalid_request")
+            self.assertEqual(problem["parameter"], name)
+        self.assert_problem(self.daemon.get("/v1/meshes/torus/distance?from=v:0&to=v:1&format=csv"), 400, "invalid_request")
+
+
+class Gltf(Files):
+    def test_compressed_and_split_files_are_refused_by_name(self):
+        document = {"asset": {"version": "2.0"}, "extensionsRequired": ["KHR_draco_mesh_compression"]}
+        for change, words in (({}, "Draco"), ({"extensionsRequired": [], "buffers": [{"byteLength": 1, "uri": "a.bin"}],
+                               "bufferViews": [{"buffer": 0, "byteLength": 1}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+                               "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}]}, "another file, 'a.bin'")):
+            answer = self.daemon.put("refused", json.dumps({**document, **change}).encode(), Content_Type="model/gltf+json")
+            problem = self.assert_problem(answer, 422, "invalid_mesh")
+            self.assertEqual(problem["reason"], "unsupported")
+            self.assertIn(words, problem["detail"])
+
+    def test_a_mesh_in_many_places_is_counted_as_often(self):
+        """A small file that comes to more than the daemon takes is refused before it is made."""
+        body = self.daemon.get("/v1/meshes/torus/content?format=gltf").json
+        body["nodes"] = [{"mesh": 0, "translation": [10 * i, 0, 0]} for i in range(300)]
+        body["scenes"] = [{"nodes": list(range(300))}]
+        made = self.daemon.put("many", json.dumps(body).encode()).json
+        self.assertEqual((made["components"], made["faces"]), (300, 300 * self.daemon.get("/v1/meshes/torus").json["faces"]))
+        body["accessors"][0]["count"] = 4000000000
+        del body["accessors"][0]["bufferView"]
+        self.assertIn(self.daemon.put("much", json.dumps(body).encode()).status, (413, 422, 507))
+
+
+@unittest.skipUnless((PEERS / "node_modules" / "gltf-validator").exists() and shutil.which("node"),
+                     "without node, and gltf-validator and three from npm (make nurbs-peers), nobody else reads our GLB")
+class Others(Files):
+    def test_others_read_what_is_written(self):
+        path, values = self.values_of("torus")
+        files = {"mesh": self.daemon.get("/v1/meshes/torus/content?format=glb").body, "field": self.get_file(path, "glb"),
+                 "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb")}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, body in files.items():
+                (pathlib.Path(folder) / name).write_bytes(body)
+            done = subprocess.run(["node", SCRIPT, PEERS, *(f"{folder}/{name}" for name in files)], stdout=subprocess.PIPE, text=True, timeout=60)
+        reports = dict(zip(files, map(json.loads, done.stdout.splitlines())))
+        self.assertEqual(len(reports), len(files), done.stdout)
+        for name, report in reports.items():
+            self.assertEqual((report["errors"], report["warnings"]), (0, 0), (name, report["messages"]))
+        self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"]])
+        mesh = reports["mesh"]["objects"][0]
+        sent = [line.split()[1:] for line in sample("torus", columns=12, rows=7).decode().splitlines() if line.startswith("v ")]
+        for i, position in enumerate(sent):
+            for axis in range(3):
+                self.assertAlmostEqual(mesh["places"][3 * i + axis] + mesh["translation"][axis], float(position[axis]), 6)
+        for value, distance in zip(values, reports["field"]["objects"][0]["distances"]):
+            self.assertAlmostEqual(value, distance, 6)
+        self.assertEqual(reports["field"]["objects"][0]["colours"], len(values))
+
+
+if __name__ == "__main__":
+    unittest.main()
