@@ -51,7 +51,7 @@ export class Display {
     const { skin } = app.scene;
     skin?.setColour(isDark() ? "#a9b4bb" : "#d5dadd");
     skin?.setRamp(settings.text("ramp"));
-    skin?.setFlat(settings.on("flat"));
+    skin?.setFlat(settings.on("flat") || app.bench.surface?.fine != null); /* a coarse mesh looks as it is */
     app.scene.showEdges(settings.on("edges"));
     app.showFacts();
     app.scene.setGround(getComputedStyle(document.body).backgroundColor);

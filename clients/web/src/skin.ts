@@ -13,6 +13,7 @@ import {
   SRGBColorSpace,
 } from "three";
 import { type Rgb, rampBytes, toLinear } from "./colours.ts";
+import { type Fine, interpolated } from "./fine.ts";
 
 const RAMP_SIZE = 256;
 
@@ -42,20 +43,39 @@ function rampTexture(name: string): DataTexture {
   return texture;
 }
 
+function geometryOf(positions: Float32Array, faces: Uint32Array): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  return geometry.setIndex(new BufferAttribute(faces, 1));
+}
+
+/** Shaded as the coarse mesh is. */
+function finer(fine: Fine, coarse: BufferGeometry): BufferGeometry {
+  const normals = interpolated(fine, coarse.getAttribute("normal").array, 3);
+  const geometry = geometryOf(fine.positions, fine.faces);
+  return geometry.setAttribute("normal", new BufferAttribute(Float32Array.from(normals), 3));
+}
+
 export class Skin {
   readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
   private edges: Mesh<BufferGeometry, MeshBasicMaterial> | undefined;
   private readonly ramp = { value: rampTexture("dusk") };
 
-  /** The arrays are borrowed. */
-  constructor(positions: Float32Array, faces: Uint32Array) {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(positions, 3));
-    geometry.setIndex(new BufferAttribute(faces, 1));
-    geometry.computeVertexNormals();
-    const vertexCount = positions.length / 3;
-    geometry.setAttribute("value", new BufferAttribute(new Float32Array(vertexCount).fill(-1), 1));
-    this.mesh = new Mesh(geometry, this.material());
+  /** The triangles as the file has them. */
+  private readonly own: BufferGeometry;
+
+  /** The arrays are borrowed. With `fine` the finer mesh is shown: values and labels are those of its vertices. */
+  constructor(
+    positions: Float32Array,
+    faces: Uint32Array,
+    private readonly fine: Fine | null = null,
+  ) {
+    this.own = geometryOf(positions, faces);
+    this.own.computeVertexNormals();
+    const shown = fine ? finer(fine, this.own) : this.own;
+    const vertexCount = shown.getAttribute("position").count;
+    shown.setAttribute("value", new BufferAttribute(new Float32Array(vertexCount).fill(-1), 1));
+    this.mesh = new Mesh(shown, this.material());
   }
 
   private material(): MeshLambertMaterial {
@@ -92,7 +112,7 @@ export class Skin {
     if (show && !this.edges) {
       const material = new MeshBasicMaterial({ wireframe: true, color: "#24323a", transparent: true, opacity: 0.35 });
       material.onBeforeCompile = encode;
-      this.edges = new Mesh(this.mesh.geometry, material);
+      this.edges = new Mesh(this.own, material);
       this.mesh.add(this.edges);
     }
     if (this.edges) this.edges.visible = show;
@@ -103,8 +123,13 @@ export class Skin {
     this.ramp.value = rampTexture(name);
   }
 
-  /** A value a vertex, 0 to `max`; NaN: none. */
+  /** A value for each vertex of the mesh, 0 to `max`; NaN: none. */
   showValues(values: Float64Array, max: number): void {
+    this.showFineValues(this.fine ? interpolated(this.fine, values, 1) : values, max);
+  }
+
+  /** The same for each vertex of the finer mesh. */
+  showFineValues(values: Float64Array, max: number): void {
     const attribute = this.mesh.geometry.getAttribute("value") as BufferAttribute;
     const array = attribute.array as Float32Array;
     for (let i = 0; i < array.length; i++) {
@@ -114,7 +139,7 @@ export class Skin {
     attribute.needsUpdate = true;
   }
 
-  /** The colour of each vertex' label; null: the plain one. */
+  /** The colour of the label of each vertex that is shown; null: the plain one. */
   showLabels(labels: (number | null)[], colours: Rgb[], plain: Rgb): void {
     const array = new Uint8ClampedArray(3 * labels.length);
     labels.forEach((label, i) => {
@@ -142,6 +167,7 @@ export class Skin {
 
   dispose(): void {
     this.mesh.geometry.dispose();
+    this.own.dispose();
     this.mesh.material.dispose();
     this.edges?.material.dispose();
     this.ramp.value.dispose();

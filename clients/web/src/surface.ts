@@ -2,6 +2,7 @@
 
 import type { Mesh, Nurbs, Subdivision } from "../../js/types.d.ts";
 import { Bvh } from "./bvh.ts";
+import { type Fine, refined } from "./fine.ts";
 import { parseCompact, parseXyz, type Place, rounded } from "./place.ts";
 import type { Triangles } from "./ply.ts";
 import type { Vec3 } from "./vector.ts";
@@ -49,6 +50,8 @@ export class Surface {
   readonly frame: Frame;
   /** In the frame. */
   readonly positions: Float32Array;
+  /** What colours are shown on, where the mesh itself is too coarse for them. */
+  readonly fine: Fine | null;
   private tree: Bvh | undefined;
 
   constructor(
@@ -62,6 +65,7 @@ export class Surface {
   ) {
     this.frame = Frame.of(triangles.positions, triangles.faces);
     this.positions = viewed(triangles.positions, this.frame);
+    this.fine = refined(this);
   }
 
   /** Positions in the file's unit as they lie in the frame. */

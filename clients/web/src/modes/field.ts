@@ -39,15 +39,18 @@ export class FieldMode extends Mode {
     return this.bench.surface!.faceCount <= LIVE_FACES;
   }
 
-  async ask(): Promise<void> {
+  async ask(live: boolean): Promise<void> {
     const { bench, settings } = this;
     const source = bench.points.of("source")[0]!;
-    const field = await bench.postLong<Field>("fields", { set: { points: [pointOf(source)] } });
+    const set = { points: [pointOf(source)] };
+    const field = await bench.postLong<Field>("fields", { set });
     const values = await valuesOf(bench, field.id!);
     const count = settings.number("isolines");
     const isolines = count > 0 ? await isolinesOf(bench, field.id!, count) : [];
+    const fine = live ? null : await bench.fineDistances(set);
     if (bench.aborted) return;
     this.show(field, values, polylinesOf(isolines));
+    if (fine) bench.scene.skin!.showFineValues(fine.values, field.max!);
     if (settings.on("farthest") && field.farthest) await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
     else bench.scene.lines.remove("way");
   }

@@ -61,17 +61,18 @@ export class SetMode extends Mode {
     const values = field && (await valuesOf(bench, field.id!));
     const count = settings.number("isolines");
     const isolines = field && count > 0 ? polylinesOf(await isolinesOf(bench, field.id!, count)) : [];
+    const fine = await bench.fineDistances(this.set);
     if (bench.aborted) return;
-    this.showCells(voronoi, places, isolines);
-    if (field && settings.text("colour") === "distance") this.showDistance(field, values!);
+    this.showCells(voronoi, fine?.labels ?? voronoi.labels!, places, isolines);
+    if (field && settings.text("colour") === "distance") this.showDistance(field, values!, fine?.values);
     bench.scene.redraw();
   }
 
-  private showCells(voronoi: VoronoiAnswer, places: Place[], isolines: Vec3[][]): void {
+  private showCells(voronoi: VoronoiAnswer, labels: (number | null)[], places: Place[], isolines: Vec3[][]): void {
     const { scene, legend, units, answer } = this.bench;
     const colours = places.map((_, i) => memberColour(i));
     scene.skin!.clear();
-    if (this.settings.text("colour") === "cells") scene.skin!.showLabels(voronoi.labels!, colours, PLAIN);
+    if (this.settings.text("colour") === "cells") scene.skin!.showLabels(labels, colours, PLAIN);
     legend.showMembers(places.map((_, i) => ({ label: `Point ${i + 1}`, colour: hexOf(colours[i]!) })));
     const bisectors = voronoi.bisectors!;
     const lines = this.settings.on("bisectors") ? bisectors.map((bisector) => bisector.points as Vec3[]) : [];
@@ -86,9 +87,10 @@ export class SetMode extends Mode {
     ]);
   }
 
-  private showDistance(field: Field, values: Float64Array): void {
+  private showDistance(field: Field, values: Float64Array, fine: Float64Array | undefined): void {
     const { scene, legend, display, units } = this.bench;
-    scene.skin!.showValues(values, field.max!);
+    if (fine) scene.skin!.showFineValues(fine, field.max!);
+    else scene.skin!.showValues(values, field.max!);
     legend.showRamp(`Distance to the nearest point, ${units.name}`, display.ramp, field.max!, (value) => units.bare(value, 3));
   }
 }

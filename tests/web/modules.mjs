@@ -1,0 +1,130 @@
+// Modules of the viewer that need no page, by laws and by plain ways to the same.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+const SOURCES = path.join(path.dirname(fileURLToPath(import.meta.url)), "../../clients/web/src");
+
+/** A module of the viewer, compiled by the esbuild that compiles the pages. */
+async function load(settings, name) {
+  const { buildSync } = createRequire(path.join(settings.pages, "package.json"))("esbuild");
+  const [{ text }] = buildSync({ entryPoints: [path.join(SOURCES, `${name}.ts`)], bundle: true, format: "esm", write: false }).outputFiles;
+  return import(`data:text/javascript;base64,${Buffer.from(text).toString("base64")}`);
+}
+
+/** Numbers that are the same in every run, from 0 to 1. */
+function randoms(seed) {
+  return () => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+    return seed / 2 ** 32;
+  };
+}
+
+function soup(count, random) {
+  const positions = Float32Array.from({ length: 9 * count }, (_, i) => (i % 9 < 3 ? 2 * random() - 1 : NaN));
+  for (let i = 0; i < positions.length; i++) if (Number.isNaN(positions[i])) positions[i] = positions[i - (i % 9) + (i % 3)] + 0.6 * (random() - 0.5);
+  return { positions, faces: Uint32Array.from({ length: 3 * count }, (_, i) => i) };
+}
+
+async function rays({ settings }) {
+  const { Bvh } = await load(settings, "bvh");
+  const random = randoms(1);
+  const point = (size) => [0, 0, 0].map(() => size * (2 * random() - 1));
+  let hits = 0;
+  for (const count of [1, 5, 6, 7, 13, 100, 1000]) {
+    const { positions, faces } = soup(count, random);
+    const tree = new Bvh(positions, faces);
+    const single = Array.from({ length: count }, (_, i) => new Bvh(positions, faces.subarray(3 * i, 3 * i + 3)));
+    for (let i = 0; i < 200; i++) {
+      const origin = point(3);
+      const direction = point(0.8).map((x, axis) => x - origin[axis]);
+      if (i % 4 === 0) direction[i % 3] = 0;
+      const all = single.map((one) => one.cast(origin, direction)?.distance ?? Infinity);
+      const hit = tree.cast(origin, direction);
+      assert.equal(hit?.distance ?? Infinity, Math.min(...all));
+      if (hit) assert.equal(hit.distance, all[hit.face]);
+      hits += hit ? 1 : 0;
+    }
+  }
+  assert.ok(hits > 200, `${hits} hits`);
+}
+
+async function files({ settings }) {
+  const { parsePly } = await load(settings, "ply");
+  for (const comment of ["", "x", "xy", "xyz"]) {
+    const header = `ply\nformat binary_little_endian 1.0\ncomment ${comment}\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n` +
+      "element face 2\nproperty list uchar uint vertex_indices\nend_header\n";
+    const bytes = Buffer.concat([Buffer.from(header), Buffer.from(Float64Array.from([0, 1, 2, 3, 4, 1e300, -1e-300, 7, 8]).buffer), Buffer.from([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0])]);
+    const { positions, faces } = parsePly(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+    assert.deepEqual([...positions], [0, 1, 2, 3, 4, 1e300, -1e-300, 7, 8]);
+    assert.deepEqual([...faces], [0, 1, 2, 2, 1, 0]);
+  }
+}
+
+/** What a shell makes of a command line: its words. */
+const words = (command) => execFileSync("sh", ["-c", `printf '%s\\n' ${command}`]).toString().trimEnd().split("\n");
+
+async function commands({ settings }) {
+  const { curlOf } = await load(settings, "curl");
+  const json = { label: `it's "so" $HOME \`id\` & \\ more`, xyz: [1, -2.5, 1e-9] };
+  const request = { method: "POST", path: "/v1/meshes/a/path", query: { geometry: "xyz" }, json };
+  assert.deepEqual(words(curlOf(request, "http://h:1", false)), ["curl", "--json", JSON.stringify(json), "http://h:1/v1/meshes/a/path?geometry=xyz"]);
+  const upload = { method: "PUT", path: "/v1/meshes/a", file: { name: "my 'file'; rm.obj", body: null } };
+  assert.deepEqual(words(curlOf(upload, "http://h:1", false)), ["curl", "-T", "my 'file'; rm.obj", "http://h:1/v1/meshes/a"]);
+  assert.deepEqual(words(curlOf({ method: "DELETE", path: "/v1/meshes/a" }, "http://h:1", false)), ["curl", "-X", "DELETE", "http://h:1/v1/meshes/a"]);
+  assert.match(curlOf({ method: "GET", path: "/v1" }, "http://h:1", true), /"Authorization: Bearer \$KEY"/);
+}
+
+async function newest({ settings }) {
+  const { Latest } = await load(settings, "latest");
+  const done = [];
+  const latest = new Latest(async (input) => {
+    await new Promise((resolve) => setTimeout(resolve, 5));
+    done.push(input);
+  });
+  for (let i = 0; i < 9; i++) latest.put(i);
+  assert.ok(latest.busy);
+  while (latest.busy) await new Promise((resolve) => setTimeout(resolve, 1));
+  assert.deepEqual(done, [0, 8]);
+}
+
+async function places({ settings }) {
+  const { compactOf, parseCompact, parseXyz, pointOf, rounded } = await load(settings, "place");
+  const random = randoms(2);
+  for (let i = 0; i < 1000; i++) {
+    const [a, b] = [random(), random()].sort();
+    const barycentric = rounded([a, b - a, 1 - b]);
+    assert.ok(Math.abs(barycentric[0] + barycentric[1] + barycentric[2] - 1) < 1e-12);
+    assert.deepEqual(parseCompact(compactOf({ face: i, barycentric })), { face: i, barycentric });
+  }
+  const free = { face: 3, barycentric: [1, 0, 0], xyz: [0.1, -2, 3e-7], isFree: true };
+  assert.deepEqual(pointOf(free), { xyz: free.xyz });
+  assert.deepEqual(parseXyz(compactOf(free)), free.xyz);
+  for (const text of ["", "f:1", "f:x:1,0,0", "f:1:a,b,c", "v:1"]) assert.equal(parseCompact(text), null);
+  for (const text of ["", "p:", "p:1,2", "p:1,2,x", "f:1:1,0,0"]) assert.equal(parseXyz(text), null);
+}
+
+async function numbers({ settings }) {
+  const { Units, bytes, number } = await load(settings, "units");
+  assert.deepEqual([0, 1234567, -0.5, 1 / 3, 1e-5, 2.5e9].map((value) => number(value, 4)), ["0", "1\u202f235\u202f000", "−0.5", "0.3333", "1.000e−5", "2.500e9"]);
+  assert.deepEqual([bytes(999), bytes(1536), bytes(2 ** 32)], ["999 B", "1.5 KiB", "4 GiB"]);
+  const units = new Units();
+  assert.equal(units.length(2), "2 units");
+  [units.file, units.shown] = ["in", "mm"];
+  assert.equal(units.length(2), "50.8 mm");
+  assert.equal(units.area(1), "645.16 mm²");
+  units.shown = "units";
+  assert.equal(units.length(2), "2 in");
+}
+
+export const tests = {
+  "rays hit what every triangle alone says": rays,
+  "binary PLY": files,
+  "command lines are what a shell makes of them": commands,
+  "the newest wins": newest,
+  "places and their compact form": places,
+  "numbers for people": numbers,
+};
