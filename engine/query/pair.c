@@ -1,4 +1,5 @@
 #include "field/arrivals.h"
+#include "line/route.h"
 #include "query/search.h"
 
 /* Point to point. The metric is symmetric, so a field of either end answers; a path is reversed when it was traced from `to`. */
@@ -6,15 +7,6 @@
 void gd_pair_answer_free(struct gd_pair_answer *answer)
 {
     if (answer) gd_path_free(&answer->path);
-}
-
-static void reverse(struct gd_path *path)
-{
-    for (uint32_t i = 0, j = path->count - 1; i < j; i++, j--) {
-        struct gd_point point = path->points[i];
-        path->points[i] = path->points[j];
-        path->points[j] = point;
-    }
 }
 
 /* `end` is the point that the field is asked at; `reversed`: it is where the answer's path begins already. */
@@ -30,7 +22,7 @@ static enum gd_status ask(const struct gd_field *field, const struct gd_point *e
         gd_pair_answer_free(&answer);
         return status;
     }
-    if (!end_is_from && answer.path.count) reverse(&answer.path);
+    if (!end_is_from) gd__points_reverse(answer.path.points, answer.path.count);
     *out = answer;
     return GD_OK;
 }
@@ -55,7 +47,6 @@ enum gd_status gd_pair_solve(const struct gd_mesh *mesh, const struct gd_point *
         gd_pair_answer_free(&answer);
         return gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
-    if (answer.path.count) reverse(&answer.path);
     *out = answer;
     return GD_OK;
 }

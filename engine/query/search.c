@@ -4,6 +4,7 @@
 
 #include "base/share.h"
 #include "field/arrivals.h"
+#include "line/route.h"
 #include "query/landmarks.h"
 #include "query/tether.h"
 
@@ -14,7 +15,8 @@
 struct search {
     const struct gd_mesh *mesh;
     struct gd__seed seed;
-    const struct gd_point *target;
+    struct gd_point target;
+    bool is_turned; /* the seed is the pair's second point: what the search finds is traced back to it */
     enum gd_pair_wish wish;
     struct gd_pair_answer *out;
     double bound;    /* of the run: what it finds is no longer */
@@ -49,8 +51,8 @@ static enum gd_status answer(void *user, struct gd__wavefront *front, const stru
     struct gd_field field;
     enum gd_status status = view(search, front->work, &field);
     if (status) return status;
-    search->distance = gd__field_leg(&field, search->target).distance;
-    if (search->wish && is_found(search)) status = gd_field_path(&field, search->target, &search->out->path);
+    search->distance = gd__field_leg(&field, &search->target).distance;
+    if (search->wish && is_found(search)) status = gd_field_path(&field, &search->target, &search->out->path);
     if (search->wish == GD_PAIR_PATH_AND_CUT && is_found(search) && !status)
         status = gd__field_path_is_cut(&field, &search->out->path, &search->out->is_cut);
     free(field.face_seeds);
@@ -68,6 +70,17 @@ static enum gd_status run(struct search *search, struct gd__guide *guide, double
     return gd__wavefront_run(search->mesh, &propagation, &sink, control, NULL);
 }
 
+/* Searches from the other end. */
+static enum gd_status turn(struct search *search, struct gd__guide *guide)
+{
+    enum gd_status status = gd__guide_turn(guide, &search->seed.point);
+    struct gd_point seed = search->seed.point;
+    search->seed.point = search->target;
+    search->target = seed;
+    search->is_turned = true;
+    return status;
+}
+
 /* `upper` bounds the distance surely. The tether's length does so but for the rounding of many faces laid flat: nothing is lost if that was too much. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)
@@ -76,9 +89,10 @@ static enum gd_status run_bounded(struct search *search, struct gd__guide *guide
         .control = control, .done = 2, .total = 4}; /* the guide was a half, the runs are a quarter each */
     struct gd_control own = gd__share_control(&share, gd__guide_held(guide));
     double tight = upper;
-    enum gd_status status = gd__tether_length(guide, &search->seed.point, search->target, &own, &tight);
+    enum gd_status status = gd__tether_length(guide, &search->seed.point, &search->target, &own, &tight);
     if (status && status != GD_INTERNAL) return status;
-    status = run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
+    status = gd__guide_prefers_turn(guide, &search->seed.point) ? turn(search, guide) : GD_OK;
+    if (!status) status = run(search, guide, fmin(upper, tight * (1 + GD_TOL_BOUND)), &own);
     if (!status && !is_found(search)) {
         share.done = 3;
         status = run(search, guide, upper, &own);
@@ -92,9 +106,10 @@ static enum gd_status search_in(struct gd_workspace *work, struct search *search
     struct gd__guide *guide = &work->guide;
     double upper;
     gd__landmarks_offer(landmarks, search->mesh, guide);
-    enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, search->target, control, &upper);
+    enum gd_status status = gd__guide_aim(guide, search->mesh, &search->seed.point, &search->target, control, &upper);
     if (!status) status = run_bounded(search, guide, upper, control);
     if (!status) search->out->distance = search->distance * search->mesh->unit;
+    if (!status && !search->is_turned) gd__points_reverse(search->out->path.points, search->out->path.count);
     gd__guide_clean(guide);
     return status;
 }
@@ -107,7 +122,7 @@ enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *fro
         out->distance = INFINITY;
         return GD_OK;
     }
-    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = to, .wish = wish, .out = out};
+    struct search search = {.mesh = mesh, .seed = {.point = *from}, .target = *to, .wish = wish, .out = out};
     struct gd_control own = control ? *control : (struct gd_control){0};
     if (!own.workspace) own.workspace = gd_workspace_create();
     if (!own.workspace) return GD_NO_MEMORY;

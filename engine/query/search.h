@@ -4,7 +4,7 @@
 
 #include "gd/query.h"
 
-/* As gd_pair_solve; the path runs from `to` to `from`. */
+/* As gd_pair_solve. */
 GD_MUST_USE enum gd_status gd__search(const struct gd_mesh *mesh, const struct gd_point *from,
                                       const struct gd_point *to, enum gd_pair_wish wish,
                                       const struct gd_landmarks *landmarks, const struct gd_control *control,

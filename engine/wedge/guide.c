@@ -5,7 +5,6 @@
 
 #include "base/large.h"
 #include "base/tolerance.h"
-#include "mesh/local.h"
 #include "wedge/workspace.h"
 
 /* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way weighed heavier than the straight line or the landmarks say,
@@ -14,72 +13,6 @@
 #define LANDMARKS_GREED 1.1
 
 #define CHECK_INTERVAL 1024 /* entries of fans between two looks at the control: well under a millisecond */
-
-/* --- anchors ------------------------------------------------------------------------------------------------------------- */
-
-static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
-{
-    double length = mesh->side[2 * point->element].length;
-    for (uint32_t k = 0; k < 2; k++) {
-        anchor->corner[k] = mesh->origin[2 * point->element + k];
-        anchor->leg[k] = length * (k ? 1 - point->weight[0] : point->weight[0]);
-    }
-}
-
-/* The corner opposite to each side, in that side's frame. */
-static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t side = mesh->face_side[point->element][k];
-        const struct gd_side *s = &mesh->side[side];
-        struct gd__local at = gd__side_local(s, point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
-        anchor->corner[k] = gd__side_apex(mesh, side);
-        anchor->leg[k] = sqrt(dx * dx + dy * dy);
-    }
-}
-
-static void add(struct gd_vec3 *sum, double weight, struct gd_vec3 v)
-{
-    sum->x += weight * v.x;
-    sum->y += weight * v.y;
-    sum->z += weight * v.z;
-}
-
-static struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    struct gd_vec3 sum = {0};
-    switch (point->kind) {
-    case GD_POINT_VERTEX:
-        return mesh->position[point->element];
-    case GD_POINT_EDGE:
-        add(&sum, 1 - point->weight[0], mesh->position[mesh->origin[2 * point->element]]);
-        add(&sum, point->weight[0], mesh->position[mesh->origin[2 * point->element + 1]]);
-        break;
-    case GD_POINT_FACE:
-        for (int k = 0; k < 3; k++)
-            add(&sum, point->weight[k], mesh->position[mesh->origin[mesh->face_side[point->element][k]]]);
-        break;
-    }
-    return sum;
-}
-
-struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point)
-{
-    struct gd__anchor anchor = {.corner = {GD_NONE, GD_NONE, GD_NONE, GD_NONE}, .position = position_of(mesh, point)};
-    switch (point->kind) {
-    case GD_POINT_VERTEX:
-        anchor.corner[0] = point->element;
-        break;
-    case GD_POINT_EDGE:
-        anchor_edge(mesh, point, &anchor);
-        break;
-    case GD_POINT_FACE:
-        anchor_face(mesh, point, &anchor);
-        break;
-    }
-    return anchor;
-}
 
 /* --- nodes --------------------------------------------------------------------------------------------------------------- */
 
@@ -139,12 +72,18 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
     return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
 }
 
+/* Of the way from a vertex to one of the two ends. */
+static double lower_of(const struct gd__guide *guide, const struct gd__anchor *end, const struct gd__guide_sight *sight,
+                       uint32_t vertex)
+{
+    double lower = straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
+    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, sight, vertex));
+    return fmax(lower, 0);
+}
+
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
 {
-    double lower =
-        straight(&guide->mesh->position[vertex], &guide->target.position) * (1 - GD_TOL_BOUND) - guide->margin;
-    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
-    if (lower < 0) lower = 0;
+    double lower = lower_of(guide, &guide->target, &guide->from_target, vertex);
     if (touch(guide, vertex)) return lower; /* without room it is measured again */
     return guide->node[vertex].lower = lower;
 }
@@ -300,6 +239,12 @@ static void clean_node(struct gd__guide_node *node)
     *node = (struct gd__guide_node){.upper = GD__FAR, .lower = -1, .parent = GD_NONE, .across = GD_NONE};
 }
 
+static void clean_touched(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < guide->touched_count; i++) clean_node(&guide->node[guide->touched[i]]);
+    guide->touched_count = 0;
+}
+
 static enum gd_status open_nodes(struct gd__guide *guide, const struct gd_mesh *mesh)
 {
     enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide));
@@ -336,10 +281,48 @@ enum gd_status gd__guide_aim(struct gd__guide *guide, const struct gd_mesh *mesh
     return status;
 }
 
+/* --- the better end ------------------------------------------------------------------------------------------------------ */
+
+/* Where a path runs so much along the surface, and lower bounds miss so much of the rest of the way, a search is about as wide as the square root of that; and
+ * it has the more windows, the farther it is from its source. */
+static double work_at(double run, double rest, double lower)
+{
+    return sqrt(run * fmax(rest - lower, 0));
+}
+
+bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from)
+{
+    const struct gd__anchor start = gd__anchor(guide->mesh, from);
+    uint32_t v;
+    double whole = best_way(guide, &start, &v), forth = 0, back = 0;
+    for (; v != GD_NONE; v = guide->node[v].parent) {
+        const struct gd__guide_node *node = &guide->node[v];
+        double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
+               run = whole - node->upper;
+        forth += step * work_at(run, node->upper, lower_of(guide, &guide->target, &guide->from_target, v));
+        back += step * work_at(node->upper, run, lower_of(guide, &start, &guide->from_start, v));
+    }
+    return back < forth;
+}
+
+enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from)
+{
+    const struct gd__guide_sight sight = guide->from_target;
+    enum gd_status status = GD_OK;
+    clean_touched(guide);
+    guide->target = gd__anchor(guide->mesh, from);
+    guide->from_target = guide->from_start;
+    guide->from_start = sight;
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) {
+        status = touch(guide, guide->target.corner[k]);
+        if (!status) guide->node[guide->target.corner[k]].upper = guide->target.leg[k];
+    }
+    return status;
+}
+
 void gd__guide_clean(struct gd__guide *guide)
 {
-    for (uint32_t i = 0; i < guide->touched_count; i++) clean_node(&guide->node[guide->touched[i]]);
-    guide->touched_count = 0;
+    clean_touched(guide);
     guide->heap_count = 0;
     guide->landmark = NULL;
     guide->control = NULL;

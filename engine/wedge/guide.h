@@ -6,18 +6,10 @@
 #ifndef GD_WEDGE_GUIDE_H
 #define GD_WEDGE_GUIDE_H
 
-#include "mesh/topology.h"
+#include "wedge/anchor.h"
 
 #define GD__FAR            1e300 /* not reached yet; inside lengths stay far below */
 #define GD__LANDMARKS_MOST 16
-
-/* Where a point lies: vertices of the faces that contain it and the straight ways to them. */
-struct gd__anchor {
-    uint32_t corner[4]; /* GD_NONE fills */
-    double leg[4];
-    struct gd_vec3 position; /* inside unit */
-};
-struct gd__anchor gd__anchor(const struct gd_mesh *mesh, const struct gd_point *point);
 
 struct gd__guide_node {
     double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
@@ -65,6 +57,12 @@ size_t gd__guide_held(const struct gd__guide *guide);
 
 /* The first vertex of the path from `from` that gd__guide_aim found; the others follow by node[].parent. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
+
+/* Whether a search from the target for `from` would, as far as the path tells, have less to do than one from there. O(vertices of the path). */
+bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
+
+/* Aims at `from`, from which it was aimed; of upper bounds only those of its own corners are left, and no path. Errors: those of gd__guide_aim. */
+GD_MUST_USE enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *from);
 
 /* Lower bound of the distance from a vertex to the target. */
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex); /* the first time */

@@ -4,8 +4,10 @@
 #include <stdlib.h>
 
 #include "wedge/workspace.h"
+#include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 #include "tests/samples/transform.h"
+#include "tests/support/field.h"
 #include "tests/support/test.h"
 #include "tests/support/watch.h"
 
@@ -152,6 +154,54 @@ static void the_guide_asks_the_budget(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Turned, it tells of the ways to the other end. */
+static void the_guide_turns(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(32);
+    struct gd_point from = test_vertex(mesh, 0), to = test_vertex(mesh, 700);
+    struct gd_field *field = test_field_from(mesh, from);
+    struct gd__guide guide = {0};
+    double upper, exact;
+    check_ok(gd__guide_aim(&guide, mesh, &from, &to, NULL, &upper), NULL);
+    check_ok(gd__guide_turn(&guide, &from), NULL);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        check_ok(gd_field_distance(field, &(struct gd_point){.kind = GD_POINT_VERTEX, .element = v}, &exact), NULL);
+        assert_true(gd__guide_lower(&guide, v) <= exact / mesh->unit);
+        assert_true(guide.node[v].upper >= exact / mesh->unit);
+    }
+    gd__guide_clean(&guide);
+    check_clean(&guide, mesh);
+    gd__guide_destroy(&guide);
+    gd_field_release(field);
+    gd_mesh_release(mesh);
+}
+
+/* Whichever way round the question is put, most pairs are searched from the same end. */
+static void both_ways_round_take_one_way(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = terrain(32);
+    struct rng rng = {3};
+    uint32_t one = 0, pairs = 200;
+    for (uint32_t i = 0; i < pairs; i++) {
+        struct gd_point a = {.kind = GD_POINT_VERTEX, .element = rng_below(&rng, mesh->vertex_count)},
+                        b = {.kind = GD_POINT_VERTEX, .element = rng_below(&rng, mesh->vertex_count)};
+        struct gd__guide guide = {0};
+        double upper;
+        check_ok(gd__guide_aim(&guide, mesh, &a, &b, NULL, &upper), NULL);
+        bool forth = gd__guide_prefers_turn(&guide, &a);
+        gd__guide_clean(&guide);
+        check_ok(gd__guide_aim(&guide, mesh, &b, &a, NULL, &upper), NULL);
+        one += forth != gd__guide_prefers_turn(&guide, &b);
+        gd__guide_clean(&guide);
+        gd__guide_destroy(&guide);
+    }
+    print_message("# of %u pairs %u are searched from the same end however they are asked for\n", pairs, one);
+    assert_true(one > 0.8 * pairs);
+    gd_mesh_release(mesh);
+}
+
 /* Whatever budget runs out where: the workspace answers the next pair as a new one does. */
 static void a_failed_search_leaves_nothing(void **state)
 {
@@ -246,6 +296,8 @@ int main(void)
         cmocka_unit_test(other_components_are_not_searched),
         cmocka_unit_test(the_guide_looks_at_its_control),
         cmocka_unit_test(the_guide_asks_the_budget),
+        cmocka_unit_test(the_guide_turns),
+        cmocka_unit_test(both_ways_round_take_one_way),
         cmocka_unit_test(a_failed_search_leaves_nothing),
         cmocka_unit_test(hubs_are_walked_round_a_few_times),
         cmocka_unit_test(points_close_to_a_vertex),
