@@ -198,6 +198,15 @@ static bool pause_until(uint64_t until_ns, uint64_t *pause_ns)
 }
 
 /* One attempt, or, while it is not known what became of the one before, a look at that. */
+/* What the operator should know of. */
+static void tell(enum server_store_outcome outcome, const char *error)
+{
+    if (outcome == SERVER_STORE_REFUSED || outcome == SERVER_STORE_FULL)
+        server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", error);
+    else if (outcome == SERVER_STORE_UNAVAILABLE)
+        server_log_message(SERVER_LOG_WARN, "database_lost", "%s", *error ? error : "others were always quicker");
+}
+
 static enum server_store_outcome go_on(struct server_postgres_connection *connection, struct attempt *attempt,
                                        enum server_store_outcome (*make)(struct server_postgres_connection *connection,
                                                                          struct attempt *attempt))
@@ -214,19 +223,21 @@ static enum server_store_outcome try_on(struct server_postgres *postgres, struct
 {
     uint64_t until_ns = gd_now_ns() + attempt->patience_ns, pause_ns = PAUSE_NS;
     enum server_store_outcome outcome;
+    char error[SERVER_POSTGRES_ERROR] = "";
     if (server_postgres_is_away(postgres)) return SERVER_STORE_UNAVAILABLE;
     do {
         struct server_postgres_connection *connection;
-        outcome = server_postgres_take(postgres, true, &connection, NULL);
+        outcome = server_postgres_take(postgres, true, &connection, error);
         if (outcome) continue;
         connection->longest_ns = attempt->longest_ns;
         outcome = go_on(connection, attempt, make);
-        if (outcome == SERVER_STORE_REFUSED || outcome == SERVER_STORE_FULL)
-            server_log_message(SERVER_LOG_ERROR, "database_refused", "%s", connection->error);
+        if (outcome) snprintf(error, sizeof error, "%s", connection->error);
         server_postgres_give(postgres, connection);
     } while ((outcome == SERVER_STORE_UNAVAILABLE || outcome == SERVER_STORE_STALE) &&
              pause_until(until_ns, &pause_ns));
-    return outcome == SERVER_STORE_STALE ? SERVER_STORE_UNAVAILABLE : outcome;
+    if (outcome == SERVER_STORE_STALE) outcome = SERVER_STORE_UNAVAILABLE;
+    tell(outcome, error);
+    return outcome;
 }
 
 enum server_store_outcome server_postgres_transact(struct server_postgres *postgres, server_postgres_body *body,

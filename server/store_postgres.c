@@ -495,7 +495,11 @@ static bool prepare(struct server_postgres *postgres, char *error, size_t error_
         snprintf(error, error_size, "the database of --store can't be reached: %s", reason);
         return false;
     }
-    switch (server_postgres_migrate(postgres)) {
+    uint64_t until_ns = gd_now_ns() + START_NS;
+    enum server_store_outcome outcome;
+    do outcome = server_postgres_migrate(postgres);
+    while (outcome == SERVER_STORE_UNAVAILABLE && gd_now_ns() < until_ns);
+    switch (outcome) {
     case SERVER_STORE_DONE:
         return true;
     case SERVER_STORE_PRECONDITION:

@@ -34,7 +34,7 @@ QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{
            "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1"}
 COARSE = ("/v1/subdivisions/{name}/distance", "/v1/subdivisions/{name}/path")  # on a mesh that is soon made
 JOBS = (("put", "/v1/meshes/{name}"), ("post", "/v1/meshes/{name}/fields"), ("post", "/v1/meshes/{name}/cut"), ("post", "/v1/meshes/{name}/voronoi"))
-UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events")  # answers that tell of the daemon's state
+UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events", "/v1/batches", "/v1/batches/{batch}")  # answers that tell of the daemon's state
 
 
 class Stacks(ctypes.Structure):
@@ -95,7 +95,7 @@ class Request:
     @property
     def is_change(self):
         """Does a second one find another state?"""
-        return self.method in ("PUT", "DELETE") or self.path in ("/v1/meshes", "/v1/nurbs", "/v1/subdivisions") and self.method == "POST" or (
+        return self.method in ("PUT", "DELETE") or self.path in ("/v1/meshes", "/v1/nurbs", "/v1/subdivisions", "/v1/batches") and self.method == "POST" or (
             self.path.rpartition("/")[2] in ("cut", "tessellate", "discretize", "fields"))
 
     @property
@@ -134,6 +134,9 @@ class Scene:
         for job in self.must("GET", "/v1/jobs").json["jobs"]:
             assert self.job_ends(f"/v1/jobs/{job['id']}")
             self.must("DELETE", f"/v1/jobs/{job['id']}")
+        for batch in self.must("GET", "/v1/batches").json["batches"]:
+            while self.must("DELETE", f"/v1/batches/{batch['id']}", statuses=(204, 404)).status == 204:
+                pass  # cancelled, then gone
         for kind in ("meshes", "nurbs", "subdivisions"):
             for item in self.must("GET", f"/v1/{kind}").json[kind]:
                 self.must("DELETE", f"/v1/{kind}/{item['name']}")
@@ -149,7 +152,7 @@ class Scene:
         kind = (path.split("/") + ["", ""])[2]
         if kind in ("nurbs", "subdivisions") and "{name}" in path and request.method != "PUT":
             self.put_surface(kind, names[kind])
-        if path.startswith("/v1/meshes/{name}") and request.method != "PUT":
+        if path == "/v1/batches" or path.startswith("/v1/meshes/{name}") and request.method != "PUT":
             self.must("PUT", "/v1/meshes/tetrahedron", TETRAHEDRON + b"#" + str(self.number).encode())
         if path.endswith("/parameters"):
             self.put_surface("nurbs", "sheet")
@@ -163,9 +166,18 @@ class Scene:
             made = self.must("POST", "/v1/meshes/tetrahedron/fields", b'{"set": {"points": [{"vertex": 0}]}}',
                              {"Content-Type": "application/json"})
             target = target.replace("{id}", made.json["id"])
+        if "{batch}" in path:
+            target = target.replace("{batch}", self.finished_batch())
         if "{job}" in path:
             target = target.replace("{job}", self.finished_job())
         return target.replace("{name}", names.get(kind, "")) + (QUERIES.get(path, "") if request.method == "GET" else "")
+
+    def finished_batch(self):
+        self.must("PUT", "/v1/meshes/tetrahedron", TETRAHEDRON + b"#" + str(self.number).encode())
+        made = self.must("POST", "/v1/batches", self.bodies["POST", "/v1/batches"], {"Content-Type": "application/json"})
+        while self.must("GET", made.headers["Location"]).json["state"] == "running":
+            time.sleep(0.001)
+        return made.json["id"]
 
     def finished_job(self):
         self.must("PUT", "/v1/meshes/tetrahedron", TETRAHEDRON + b"#" + str(self.number).encode())
