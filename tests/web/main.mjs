@@ -3,6 +3,7 @@
 import { Browser } from "./browser.mjs";
 import * as docs from "./docs.mjs";
 import * as modes from "./modes.mjs";
+import * as modules from "./modules.mjs";
 import * as viewer from "./viewer.mjs";
 
 const settings = JSON.parse(process.argv[2]);
@@ -23,7 +24,7 @@ async function run(name, test) {
   await browser.closePages();
 }
 
-for (const [group, tests] of Object.entries({ viewer: viewer.tests, modes: await modes.tests(browser), docs: docs.tests })) {
+for (const [group, tests] of Object.entries({ modules: modules.tests, viewer: viewer.tests, modes: await modes.tests(browser), docs: docs.tests })) {
   for (const [name, test] of Object.entries(tests)) {
     if (`${group}: ${name}`.includes(settings.only)) await run(`${group}: ${name}`, test);
   }

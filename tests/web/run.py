@@ -47,7 +47,7 @@ def large_mesh(harness):
     return ("bunny", bunny.read_bytes()) if bunny.exists() else ("terrain", harness.sample("terrain", cells=round((FACES / 2) ** 0.5)))
 
 
-def run_in_browser(options, place):
+def run_in_browser(options, place, pages):
     import harness  # reads $GEODESICD
 
     place.mkdir(parents=True, exist_ok=True)
@@ -55,7 +55,7 @@ def run_in_browser(options, place):
         name, file = large_mesh(harness)
         assert daemon.put(name, file).status == 201
         settings = {"url": f"http://{daemon.address}", "daemon": daemon.process.pid, "large": name, "browser": browser(), "place": str(place),
-                    "peers": str(options.build / "web-peers"), "only": options.only, "all": options.all}
+                    "peers": str(options.build / "web-peers"), "pages": str(pages), "only": options.only, "all": options.all}
         return subprocess.run(["node", HERE / "main.mjs", json.dumps(settings)], stdin=subprocess.DEVNULL).returncode
 
 
@@ -72,7 +72,7 @@ def main():
         return 0
     pages = pathlib.Path(os.environ.get("PAGES_BUILD") or options.build / "web")
     failed = check_types(pages) if not options.only else 0
-    return run_in_browser(options, options.build / "web-tests") or failed
+    return run_in_browser(options, options.build / "web-tests", pages.resolve()) or failed
 
 
 if __name__ == "__main__":

@@ -49,6 +49,8 @@ export class App {
   private readonly asker = new Latest<boolean>((live) => this.ask(live));
   private readonly chooser: Chooser;
   private opening: AbortController | undefined;
+  /** The surface of each kind that was open last. */
+  private readonly latest = new Map<Kind, string>();
   /** The surface that the points lie on. */
   private placesOf: Surface | undefined;
   /** How many surfaces are on their way. */
@@ -117,9 +119,10 @@ export class App {
     }
   }
 
-  /** The first surface of a kind, or a sample of it. */
+  /** The surface of a kind that was open last, the first one that there is, or a sample. */
   private async openKind(kind: Kind): Promise<void> {
-    const known = this.chooser.known[kind].find((name) => !/-(limit|mesh)$/.test(name));
+    const names = this.chooser.known[kind];
+    const known = names.find((name) => name === this.latest.get(kind)) ?? names.find((name) => !/-(limit|mesh)$/.test(name));
     if (known) await this.open(kind, known);
     else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
   }
@@ -152,6 +155,7 @@ export class App {
     byId("start").hidden = true;
     this.answer.clear();
     this.bench.surface = surface;
+    this.latest.set(surface.kind, surface.name);
     this.scene.show(surface);
     this.onSurface();
     this.scene.up = parameters?.get("up") ?? SAMPLES.find((sample) => sample.name === surface.name)?.up ?? "y";
@@ -307,7 +311,7 @@ export class App {
   }
 
   get busy(): boolean {
-    return this.asker.busy || this.loads > 0;
+    return this.asker.busy || this.loads > 0 || this.state.isPending;
   }
 
   /** Drops the question and the upload under way. */

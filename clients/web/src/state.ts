@@ -2,6 +2,8 @@
 
 export class State {
   private timer = 0;
+  /** Whether something is still to be written. */
+  isPending = false;
 
   get parameters(): URLSearchParams {
     return new URLSearchParams(location.hash.slice(1));
@@ -10,7 +12,9 @@ export class State {
   /** Writes soon; what is written meanwhile is written together. `read` says what. */
   write(read: () => Record<string, string>): void {
     clearTimeout(this.timer);
+    this.isPending = true;
     this.timer = setTimeout(() => {
+      this.isPending = false;
       const entries = Object.entries(read()).map(([name, value]) => `${name}=${encoded(value)}`);
       history.replaceState(null, "", `#${entries.join("&")}`);
     }, 250);

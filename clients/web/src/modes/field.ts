@@ -3,6 +3,7 @@
 import type { Field, IsolinesAnswer } from "../../../js/types.d.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
+import { milliseconds, whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 import { INK, Mode, XYZ } from "./mode.ts";
 
@@ -45,31 +46,42 @@ export class FieldMode extends Mode {
     const set = { points: [pointOf(source)] };
     const field = await bench.postLong<Field>("fields", { set });
     const values = await valuesOf(bench, field.id!);
-    const count = settings.number("isolines");
-    const isolines = count > 0 ? await isolinesOf(bench, field.id!, count) : [];
-    const fine = live ? null : await bench.fineDistances(set);
     if (bench.aborted) return;
-    this.show(field, values, polylinesOf(isolines));
-    if (fine) bench.scene.skin!.showFineValues(fine.values, field.max!);
+    this.show(field, values);
+    const fine = live ? null : await bench.fineDistances(set);
+    if (fine) this.showFine(field, fine.values);
+    await this.showIsolines(field);
     if (settings.on("farthest") && field.farthest) await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
     else bench.scene.lines.remove("way");
   }
 
-  private show(field: Field, values: Float64Array, isolines: Vec3[][]): void {
+  private show(field: Field, values: Float64Array): void {
     const { scene, units, display, legend, answer } = this.bench;
     const max = field.max ?? values.reduce((most, value) => (value > most ? value : most), 0);
     scene.skin!.showValues(values, max);
     scene.redraw();
-    this.lines("isolines", isolines, INK.isoline, 1.2, 0);
     legend.showRamp(`Distance, ${units.name}`, display.ramp, max, (value) => units.bare(value, 3));
-    const spacing = max / (this.settings.number("isolines") + 1);
+    const count = this.settings.number("isolines");
     answer.show([
       { label: "Farthest", value: units.length(max, 9), main: true, title: String(max) },
-      { label: "Between two lines", value: isolines.length ? units.length(spacing) : "no lines" },
-      { label: "Wedges", value: field.wedges!.toLocaleString("en") },
-      { label: "Computed in", value: `${field.build_ms!.toPrecision(3)} ms`, title: "When it was computed; it is kept since then" },
+      { label: "Between two lines", value: count > 0 ? units.length(max / (count + 1)) : "no lines" },
+      { label: "Wedges", value: whole(field.wedges!) },
+      { label: "Computed in", value: milliseconds(field.build_ms!), title: "When it was computed; it is kept since then" },
       this.time,
     ]);
+  }
+
+  private showFine(field: Field, values: Float64Array): void {
+    const { scene } = this.bench;
+    scene.skin!.showFineValues(values, field.max!);
+    scene.redraw();
+  }
+
+  /** On large meshes there are many of their points; colours are seen before. */
+  private async showIsolines(field: Field): Promise<void> {
+    const count = this.settings.number("isolines");
+    const isolines = count > 0 ? await isolinesOf(this.bench, field.id!, count) : [];
+    if (!this.bench.aborted) this.lines("isolines", polylinesOf(isolines), INK.isoline, 1.2, 0);
   }
 
   private async showWay(from: Place, to: Place): Promise<void> {
