@@ -32,7 +32,7 @@ compile() {
 
 # What the bundles contain of others, with their terms.
 print_notices() {
-    for package in three three-mesh-bvh swagger-ui-dist; do
+    for package in three swagger-ui-dist; do
         printf '%s\n\n' "=== $package ==="
         for notice in "node_modules/$package/LICENSE" "node_modules/$package/NOTICE" "node_modules/$package/swagger-ui-es-bundle.js.LICENSE.txt"; do
             [ ! -e "$notice" ] || cat "$notice"

@@ -8,7 +8,7 @@ export interface Parameter {
 }
 
 export interface Body {
-  content: Record<string, { example?: unknown; examples?: Record<string, { value: unknown }> }>;
+  content: Record<string, { schema?: Record<string, unknown>; example?: unknown; examples?: Record<string, { value: unknown }> }>;
 }
 
 export interface Operation {
@@ -23,6 +23,7 @@ export interface PathItem {
 }
 
 export interface Contract {
+  info: { version: string };
   paths: Record<string, PathItem>;
   components: { parameters: Record<string, Parameter>; requestBodies: Record<string, Body> };
 }

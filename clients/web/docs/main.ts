@@ -1,5 +1,6 @@
 // The API's page: /openapi.json shown by Swagger UI, whose requests go to the daemon that serves it.
 import SwaggerUI from "swagger-ui-dist/swagger-ui-es-bundle.js";
+import { adapt, unquote } from "./adapt.ts";
 import type { Contract } from "./contract.ts";
 import { makeExamples } from "./examples.ts";
 import { keepMended } from "./mend.ts";
@@ -15,16 +16,6 @@ function say(text: string): void {
   element("prepared").textContent = text;
 }
 
-/** The contract as it is shown: each operation once, and, since Swagger UI fills in every example, without one that asks for a job. */
-async function readContract(): Promise<Contract> {
-  const contract = (await (await fetch("/openapi.json")).json()) as Contract;
-  delete contract.components.parameters["Prefer"]!.example;
-  for (const item of Object.values(contract.paths)) {
-    for (const operation of [item.put, item.post]) operation?.tags.splice(1);
-  }
-  return contract;
-}
-
 /** Swagger UI is dark by a class of the document. */
 function followSystem(): void {
   const system = matchMedia("(prefers-color-scheme: dark)");
@@ -34,7 +25,9 @@ function followSystem(): void {
 }
 
 async function show(): Promise<void> {
-  const contract = await readContract();
+  const contract = (await (await fetch("/openapi.json")).json()) as Contract;
+  adapt(contract);
+  element("version").textContent = contract.info.version;
   const page = SwaggerUI({
     spec: contract,
     domNode: element("operations"),
@@ -42,6 +35,7 @@ async function show(): Promise<void> {
     defaultModelsExpandDepth: -1,
     displayRequestDuration: true,
     docExpansion: "list",
+    requestInterceptor: unquote,
     tryItOutEnabled: true,
     syntaxHighlight: { theme: "monokai" },
     validatorUrl: null,
