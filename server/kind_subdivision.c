@@ -89,6 +89,8 @@ static enum gd_status read_file(struct making *making, const void *bytes, struct
     const struct gd_read_limits limits = {.max_faces = builder->max_faces, .control = &control};
     const struct proto_subdivision_options options = options_of(making->record);
     size_t size = (size_t)making->record->size, cost = size * READ_FACTOR;
+    size_t placed = gd_read_cost(bytes, size, options.format, &limits); /* of glTF, which may place a mesh many times */
+    if (placed > cost) cost = placed;
     enum gd_status status = server_build_take(builder, making->record, cost, problem);
     if (status) return status;
     bool ok = proto_subdivision_read(bytes, size, &options, &limits, &making->control_mesh, &making->scheme, problem);

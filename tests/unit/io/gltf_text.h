@@ -15,17 +15,15 @@ struct file {
 /* The text with the first `find` replaced; `find` NULL: as it is. */
 static inline char *replaced(const char *text, const char *find, const char *by)
 {
-    char *out = NULL;
-    size_t size;
-    FILE *stream = open_memstream(&out, &size);
-    assert_non_null(stream);
+    size_t room = strlen(text) + (by ? strlen(by) : 0) + 1;
+    char *out = malloc(room);
     const char *at = find ? strstr(text, find) : NULL;
+    assert_non_null(out);
     if (find && !at) fail_msg("'%s' is not in the document", find);
     if (at)
-        fprintf(stream, "%.*s%s%s", (int)(at - text), text, by, at + strlen(find));
+        snprintf(out, room, "%.*s%s%s", (int)(at - text), text, by, at + strlen(find));
     else
-        fputs(text, stream);
-    fclose(stream);
+        snprintf(out, room, "%s", text);
     for (char *quote = out; (quote = strchr(quote, '\'')) != NULL;) *quote = '"';
     return out;
 }
