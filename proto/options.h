@@ -45,7 +45,7 @@ struct proto_options {
 
 /* Reads the options that all queries have in common and refuses every other parameter but the query's own `names`
  * (NULL-terminated; NULL: it has none). `fields`: the names of the answer's top-level fields (NULL-terminated, at most
- * 32). invalid_request with the parameter. */
+ * 32); NULL: the answer is no JSON, and timeout_ms the only option. invalid_request with the parameter. */
 bool proto_options_parse(const struct proto_parameters *parameters, const char *const *fields, const char *const *names,
                          struct proto_options *out, struct proto_problem *problem);
 

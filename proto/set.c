@@ -195,6 +195,21 @@ bool proto_set_decode_curve(const json_t *object, const char *member, struct pro
     return ok;
 }
 
+bool proto_set_of_point(const struct proto_point *point, struct proto_set *out, struct proto_problem *problem)
+{
+    const json_t *arrays[KINDS] = {NULL};
+    struct proto_set set = {0};
+    if (!make_room(&set, arrays, problem)) {
+        proto_set_free(&set);
+        return false;
+    }
+    set.points[0] = *point;
+    set.namings[0] = (struct proto_naming){0};
+    set.point_count = 1;
+    *out = set;
+    return true;
+}
+
 void proto_set_free(struct proto_set *set)
 {
     for (uint32_t i = 0; i < set->curve_count; i++) proto_curve_free(&set->curves[i]);

@@ -38,6 +38,9 @@ bool proto_set_decode(const json_t *value, const char *pointer, struct proto_set
 /* From the curve that is a member of that name of an object, as the only member of the set. */
 bool proto_set_decode_curve(const json_t *object, const char *member, struct proto_set *out,
                             struct proto_problem *problem);
+
+/* A set of one point. insufficient_memory. */
+bool proto_set_of_point(const struct proto_point *point, struct proto_set *out, struct proto_problem *problem);
 void proto_set_free(struct proto_set *set); /* a second time is harmless */
 
 /* Points only: to locate it takes no time. */

@@ -18,7 +18,7 @@ export type Batch = {
   items: Count;
   /** Items that have an answer. */
   done: number;
-  /** Of these */
+  /** Of these, those whose answer is a problem. */
   failed: number;
   progress: number;
   created: string;

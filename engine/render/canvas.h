@@ -38,10 +38,13 @@ struct gd__canvas {
 struct gd__paint {
     struct gd__canvas canvas; /* first */
     struct gd__image *image;  /* borrowed */
-    uint8_t *coverage;        /* per pixel, of what is being drawn; 0 between two calls */
+    const struct gd_control *control;
+    uint8_t *coverage; /* per pixel, of what is being drawn; 0 between two calls */
 };
 
-GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse);
+/* `control` may be NULL; who is to stop finds GD_CANCELLED or GD_DEADLINE in the canvas' status. GD_NO_MEMORY, GD_BUDGET. */
+GD_MUST_USE enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse,
+                                          const struct gd_control *control);
 void gd__paint_close(struct gd__paint *paint); /* also after a failure */
 
 /* --- as SVG --- */

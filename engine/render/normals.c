@@ -1,7 +1,10 @@
 #include "render/normals.h"
 
 #define CREASE 0.77F /* cosine of 40 degrees: of two faces that meet at more, one sees an edge */
-enum { MOST = 64 };  /* faces around a vertex */
+enum {
+    MOST = 64, /* faces around a vertex */
+    CHECK_INTERVAL = 1 << 12
+};
 
 static struct gd__normal normal_of(const struct gd_mesh *mesh, uint32_t face)
 {
@@ -50,8 +53,17 @@ static void make_around(const struct gd_mesh *mesh, uint32_t vertex, const struc
     }
 }
 
-void gd__normals_make(const struct gd_mesh *mesh, struct gd__normal *flat, struct gd__normal (*corners)[3])
+enum gd_status gd__normals_make(const struct gd_mesh *mesh, const struct gd_control *control, struct gd__normal *flat,
+                                struct gd__normal (*corners)[3])
 {
-    for (uint32_t f = 0; f < mesh->face_count; f++) flat[f] = normal_of(mesh, f);
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) make_around(mesh, v, flat, corners);
+    enum gd_status status = GD_OK;
+    for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
+        flat[f] = normal_of(mesh, f);
+        if (f % CHECK_INTERVAL == 0) status = gd_control_check(control, 0);
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count && !status; v++) {
+        make_around(mesh, v, flat, corners);
+        if (v % CHECK_INTERVAL == 0) status = gd_control_check(control, 0);
+    }
+    return status;
 }

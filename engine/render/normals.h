@@ -10,7 +10,8 @@ struct gd__normal {
 };
 
 /* Fills three normals a face, by corner, of any length but 0. `flat`: one a face, is filled with unit normals. O(faces), though not where more than 64 faces meet: those corners have
- * their face's own. */
-void gd__normals_make(const struct gd_mesh *mesh, struct gd__normal *flat, struct gd__normal (*corners)[3]);
+ * their face's own. GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__normals_make(const struct gd_mesh *mesh, const struct gd_control *control,
+                                            struct gd__normal *flat, struct gd__normal (*corners)[3]);
 
 #endif

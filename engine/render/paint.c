@@ -6,6 +6,8 @@
 /* Strokes and discs on an image. Each pixel is covered as far as its middle lies within, from half a pixel outside to half a pixel inside; lines drawn with one pen cover
  * a pixel once where they cross or join, as one line does. */
 
+enum { CHECK_INTERVAL = 256 }; /* segments */
+
 /* Pixels that a shape may touch: [left, right) x [top, bottom). */
 struct box {
     uint32_t left, top, right, bottom;
@@ -66,17 +68,20 @@ static void fill_coverage(struct gd__paint *paint, struct box box, struct gd__co
 
 /* --- the canvas -------------------------------------------------------------------------------------------------------------- */
 
-static void draw_lines(struct gd__paint *paint, const struct gd__lines *lines, const struct gd__pen *pen)
+static enum gd_status draw_lines(struct gd__paint *paint, const struct gd__lines *lines, const struct gd__pen *pen)
 {
     struct box all = {paint->image->width, paint->image->height, 0, 0};
-    for (uint32_t i = 0; i < lines->count; i++) {
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; i < lines->count && !status; i++) {
+        const struct gd__place *place = lines->places;
         uint32_t begin = gd__line_begin(lines, i), last = lines->ends[i] - 1;
-        for (uint32_t k = begin; k < last || k == begin; k++) {
-            const struct gd__place *place = lines->places;
+        for (uint32_t k = begin; (k < last || k == begin) && !status; k++) {
             all = box_around(all, cover_segment(paint, place[k], place[k < last ? k + 1 : k], (float)(pen->width / 2)));
+            if (k % CHECK_INTERVAL == 0) status = gd_control_check(paint->control, 0);
         }
     }
     fill_coverage(paint, all, pen->colour, pen->opacity);
+    return status;
 }
 
 static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, const struct gd__pen *pen)
@@ -85,7 +90,7 @@ static void stroke(struct gd__canvas *canvas, const struct gd__lines *lines, con
     if (canvas->status) return;
     if (pen->dash > 0) gd__lines_dash(lines, pen->dash, pen->dash, &dashes);
     canvas->status = dashes.status;
-    if (!canvas->status) draw_lines((struct gd__paint *)canvas, pen->dash > 0 ? &dashes : lines, pen);
+    if (!canvas->status) canvas->status = draw_lines((struct gd__paint *)canvas, pen->dash > 0 ? &dashes : lines, pen);
     gd__lines_free(&dashes);
 }
 
@@ -118,10 +123,11 @@ static void scale(struct gd__canvas *canvas, const struct gd__window_of_picture 
     }
 }
 
-enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse)
+enum gd_status gd__paint_open(struct gd__paint *paint, struct gd__image *image, struct gd__purse *purse,
+                              const struct gd_control *control)
 {
     size_t pixels = (size_t)image->width * image->height;
-    *paint = (struct gd__paint){.canvas = {stroke, disc, text, scale, GD_OK}, .image = image};
+    *paint = (struct gd__paint){.canvas = {stroke, disc, text, scale, GD_OK}, .image = image, .control = control};
     enum gd_status status = gd__purse_take(purse, pixels);
     if (status) return status;
     paint->coverage = calloc(pixels, 1);

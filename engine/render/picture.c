@@ -127,7 +127,7 @@ static enum gd_status open_surface(struct studio *studio)
                                          .width = studio->legend.width,
                                          .height = studio->legend.height,
                                          .grid = GRID,
-                                         .rows = GD__RASTER_ROWS,
+                                         .rows = gd__raster_rows(studio->legend.width),
                                          .purse = &studio->purse};
     studio->shade = (struct gd__shade){.raster = &studio->raster,
                                        .camera = &studio->camera,
@@ -135,8 +135,9 @@ static enum gd_status open_surface(struct studio *studio)
                                        .field = studio->picture->field,
                                        .range = studio->scale.range,
                                        .edges = studio->picture->edges};
-    enum gd_status status = gd__raster_open(&studio->raster);
-    if (!status) status = gd__shade_open(&studio->shade);
+    struct gd_control control = control_of(studio);
+    enum gd_status status = gd__raster_open(&studio->raster, &control);
+    if (!status) status = gd__shade_open(&studio->shade, &control);
     if (!status) status = gd__cover_open(&studio->cover, &studio->raster);
     if (!status) status = gd__image_open(&studio->image, studio->raster.width, studio->raster.height, &studio->purse);
     studio->image.is_opaque = !studio->palette->is_transparent;
@@ -256,7 +257,7 @@ static enum gd_status finish_png(struct studio *studio, void **bytes, size_t *si
 {
     struct gd__paint paint;
     struct gd_control control = control_of(studio);
-    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->purse);
+    enum gd_status status = gd__paint_open(&paint, &studio->image, &studio->purse, &control);
     if (!status) draw_lines(studio, &paint.canvas);
     if (!status) status = paint.canvas.status;
     gd__paint_close(&paint);
@@ -289,7 +290,7 @@ static void set_up(struct studio *studio, const struct gd_picture *picture, cons
     studio->legend = gd__legend_plan(picture, studio->palette, width, height);
     if (picture->field)
         studio->scale = gd__scale_of(gd__field_range(picture->field), picture->isolines ? picture->isolines : TICKS);
-    studio->parts = 1 + 2 * ((height - 1) / GD__RASTER_ROWS + 1) + (picture->isolines ? studio->scale.count : 0);
+    studio->parts = 1 + 2 * ((height - 1) / gd__raster_rows(width) + 1) + (picture->isolines ? studio->scale.count : 0);
 }
 
 static void clear(struct studio *studio)

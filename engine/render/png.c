@@ -7,9 +7,9 @@
 /* PNG of what a picture is: 8 bits, colours without a palette, one IDAT chunk, each row filtered as suits it. */
 
 enum {
-    LEVEL = 4,           /* of zlib: higher ones take twice the time for a few percent */
-    CHECK_INTERVAL = 16, /* rows */
-    FILTERS = 3          /* that are tried: from the left, from above, Paeth's */
+    LEVEL = 4,          /* of zlib: higher ones take twice the time for a few percent */
+    CHECK_INTERVAL = 4, /* rows */
+    FILTERS = 3         /* that are tried: from the left, from above, Paeth's */
 };
 
 struct encoder {

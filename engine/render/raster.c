@@ -4,7 +4,11 @@
 
 #include "base/large.h"
 
-enum { FACE_WORK = 64, CHECK_INTERVAL = 1 << 18 }; /* samples */
+enum {
+    FACE_WORK = 64,
+    CHECK_INTERVAL = 1 << 18, /* samples */
+    FACES_A_CHECK = 1 << 14
+};
 
 /* --- one face ------------------------------------------------------------------------------------------------------------ */
 
@@ -144,34 +148,46 @@ static struct span span_of(const struct gd__raster *raster, uint32_t face, bool 
     return from == to ? (struct span){0, 0} : (struct span){from / rows, (to - 1) / rows + 1};
 }
 
+/* Counts the faces of each band, to first[band], and all of them. */
+static enum gd_status count_faces(struct gd__raster *raster, const struct gd_control *control, uint64_t *total)
+{
+    const struct gd_mesh *mesh = raster->mesh;
+    bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
+    enum gd_status status = GD_OK;
+    for (uint32_t b = 0; b <= raster->bands; b++) raster->first[b] = 0;
+    for (uint32_t f = 0; f < mesh->face_count && !status; f++) {
+        struct span span = span_of(raster, f, is_closed);
+        for (uint32_t b = span.from; b < span.to; b++) raster->first[b]++;
+        *total += span.to - span.from;
+        if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
+    }
+    return status;
+}
+
 /* Counting sort. */
-static enum gd_status list_faces(struct gd__raster *raster)
+static enum gd_status list_faces(struct gd__raster *raster, const struct gd_control *control)
 {
     const struct gd_mesh *mesh = raster->mesh;
     bool is_closed = gd_mesh_summary(mesh)->boundaries == 0;
     uint32_t *next = raster->first;
     uint64_t total = 0;
-    for (uint32_t b = 0; b <= raster->bands; b++) next[b] = 0;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
-        struct span span = span_of(raster, f, is_closed);
-        for (uint32_t b = span.from; b < span.to; b++) next[b]++;
-        total += span.to - span.from;
-    }
-    if (total > UINT32_MAX) return GD_NO_MEMORY;
-    enum gd_status status = gd__purse_take(raster->purse, (total + 1) * sizeof *raster->faces);
-    raster->faces = status ? NULL : malloc((total + 1) * sizeof *raster->faces);
-    if (!raster->faces) return status ? status : GD_NO_MEMORY;
+    enum gd_status status = count_faces(raster, control, &total);
+    if (!status) status = gd__purse_take(raster->purse, (total + 1) * sizeof *raster->faces);
+    if (status) return status;
+    raster->faces = total <= UINT32_MAX ? malloc((total + 1) * sizeof *raster->faces) : NULL;
+    if (!raster->faces) return GD_NO_MEMORY;
     for (uint32_t b = 1; b <= raster->bands; b++) next[b] += next[b - 1];
-    for (uint32_t f = mesh->face_count; f-- > 0;) {
+    for (uint32_t f = mesh->face_count; f-- > 0 && !status;) {
         struct span span = span_of(raster, f, is_closed);
         for (uint32_t b = span.from; b < span.to; b++) raster->faces[--next[b]] = f;
+        if (f % FACES_A_CHECK == 0) status = gd_control_check(control, 0);
     }
-    return GD_OK;
+    return status;
 }
 
 /* --- life ------------------------------------------------------------------------------------------------------------------ */
 
-enum gd_status gd__raster_open(struct gd__raster *raster)
+enum gd_status gd__raster_open(struct gd__raster *raster, const struct gd_control *control)
 {
     if (raster->rows > raster->height) raster->rows = raster->height;
     size_t samples = (size_t)raster->rows * raster->width * raster->grid * raster->grid;
@@ -182,7 +198,7 @@ enum gd_status gd__raster_open(struct gd__raster *raster)
     raster->first = malloc((raster->bands + 1) * sizeof *raster->first);
     raster->depth = gd__large_array(samples, sizeof *raster->depth);
     raster->face = gd__large_array(samples, sizeof *raster->face);
-    return raster->first && raster->depth && raster->face ? list_faces(raster) : GD_NO_MEMORY;
+    return raster->first && raster->depth && raster->face ? list_faces(raster, control) : GD_NO_MEMORY;
 }
 
 void gd__raster_close(struct gd__raster *raster)

@@ -9,7 +9,13 @@
 #include "base/purse.h"
 #include "render/camera.h"
 
-#define GD__RASTER_ROWS 16 /* of pixels in a band */
+/* Rows of pixels of a band: as many as keep its samples in the cache, and the work between two looks at the control short. */
+static inline uint32_t gd__raster_rows(uint32_t width)
+{
+    enum { BAND_PIXELS = 1 << 14 };
+    uint32_t rows = BAND_PIXELS / width;
+    return rows < 4 ? 4 : rows > 32 ? 32 : rows;
+}
 
 struct gd__raster {
     const struct gd_mesh *mesh;
@@ -24,8 +30,9 @@ struct gd__raster {
     uint32_t *face; /* likewise; GD_NONE */
 };
 
-/* Lists the faces; those that are seen from behind are left out where the surface is closed. To be closed, also after a failure. GD_NO_MEMORY, GD_BUDGET. */
-GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster);
+/* Lists the faces; those that are seen from behind are left out where the surface is closed. To be closed, also after a failure. GD_NO_MEMORY, GD_BUDGET,
+ * GD_CANCELLED, GD_DEADLINE. */
+GD_MUST_USE enum gd_status gd__raster_open(struct gd__raster *raster, const struct gd_control *control);
 void gd__raster_close(struct gd__raster *raster);
 
 /* Fills a band's samples; `control` may be NULL. GD_CANCELLED, GD_DEADLINE. */

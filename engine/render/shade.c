@@ -24,18 +24,18 @@ static size_t band_pixels(const struct gd__shade *shade)
     return (size_t)shade->raster->width * shade->raster->rows;
 }
 
-static enum gd_status make_normals(struct gd__shade *shade)
+static enum gd_status make_normals(struct gd__shade *shade, const struct gd_control *control)
 {
     const struct gd_mesh *mesh = shade->raster->mesh;
     struct gd__normal *flat = malloc(mesh->face_count * sizeof *flat);
     shade->corners = gd__large_array(mesh->face_count, sizeof *shade->corners);
-    bool ok = flat && shade->corners;
-    if (ok) gd__normals_make(mesh, flat, shade->corners);
+    enum gd_status status =
+        flat && shade->corners ? gd__normals_make(mesh, control, flat, shade->corners) : GD_NO_MEMORY;
     free(flat);
-    return ok ? GD_OK : GD_NO_MEMORY;
+    return status;
 }
 
-enum gd_status gd__shade_open(struct gd__shade *shade)
+enum gd_status gd__shade_open(struct gd__shade *shade, const struct gd_control *control)
 {
     size_t batch = BATCH * (sizeof *shade->fragments + sizeof *shade->points + sizeof *shade->distances),
            normals = (size_t)shade->raster->mesh->face_count * (sizeof *shade->corners + sizeof(struct gd__normal));
@@ -54,7 +54,7 @@ enum gd_status gd__shade_open(struct gd__shade *shade)
     shade->distances = malloc(BATCH * sizeof *shade->distances);
     shade->sum = malloc(band_pixels(shade) * sizeof *shade->sum);
     if (!shade->fragments || !shade->points || !shade->distances || !shade->sum) return GD_NO_MEMORY;
-    return make_normals(shade);
+    return make_normals(shade, control);
 }
 
 void gd__shade_close(struct gd__shade *shade)
@@ -131,10 +131,11 @@ static struct gd__colour colour_of(const struct gd__shade *shade, const struct g
 /* Colours those that wait. */
 static enum gd_status flush(struct gd__shade *shade, const struct gd_control *control)
 {
-    enum gd_status status = GD_OK;
+    enum gd_status status = gd_control_check(control, 0);
     uint32_t count = shade->fragment_count;
     shade->fragment_count = 0;
-    if (shade->field) status = gd_field_distances(shade->field, shade->points, count, control, shade->distances);
+    if (shade->field && !status)
+        status = gd_field_distances(shade->field, shade->points, count, control, shade->distances);
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct gd__fragment *fragment = &shade->fragments[i];
         struct gd__colour colour = colour_of(shade, fragment, shade->field ? shade->distances[i] : NAN);
@@ -267,6 +268,7 @@ enum gd_status gd__shade_band(struct gd__shade *shade, uint32_t band, const stru
         for (int k = 0; k < 4; k++) shade->sum[i][k] = 0;
     for (uint32_t i = 0; i < rows * width && !status; i++) {
         if (shade->fragment_count > BATCH - SAMPLES) status = flush(shade, control);
+        if (!status && i % width == 0) status = gd_control_check(control, 0);
         if (!status) add_fragments(shade, top, i / width, i % width);
     }
     if (!status) status = flush(shade, control);

@@ -30,7 +30,7 @@ struct chooser {
 static enum gd_status sketch_view(const struct chooser *chooser, const struct gd_control *control,
                                   struct gd__raster *raster, double *seen)
 {
-    enum gd_status status = gd__raster_open(raster);
+    enum gd_status status = gd__raster_open(raster, control);
     if (!status) status = gd__raster_fill(raster, 0, control);
     if (status) return status;
     const struct gd__cover cover = {.mesh = chooser->mesh,

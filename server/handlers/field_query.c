@@ -52,16 +52,15 @@ static bool resolve(struct server_field_query *query, struct proto_problem *prob
     return take(query, located, problem);
 }
 
-struct server_resource *server_find_resource(const struct server_exchange *exchange, struct server_record *record,
+static struct server_resource *find_resource(struct server_record *record, const char *text, size_t length,
                                              struct proto_problem *problem)
 {
-    const struct proto_capture *capture = &exchange->match.captures[1];
     struct server_catalogue *catalogue = server_record_catalogue(record);
     struct server_resource *resource = NULL;
     enum server_catalogue_finding finding = SERVER_CATALOGUE_ABSENT;
     char id[PROTO_FIELD_ID + 1] = "";
-    if (catalogue && capture->length == PROTO_FIELD_ID) {
-        memcpy(id, capture->text, capture->length);
+    if (catalogue && length == PROTO_FIELD_ID) {
+        memcpy(id, text, length);
         finding = server_catalogue_find(catalogue, id, &resource);
     }
     if (finding == SERVER_CATALOGUE_ABSENT)
@@ -73,10 +72,18 @@ struct server_resource *server_find_resource(const struct server_exchange *excha
     return resource;
 }
 
-bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem)
+struct server_resource *server_find_resource(const struct server_exchange *exchange, struct server_record *record,
+                                             struct proto_problem *problem)
 {
-    query->resource = server_find_resource(query->query.exchange, query->query.surface->record, problem);
-    if (!query->resource) return false;
+    const struct proto_capture *capture = &exchange->match.captures[1];
+    return find_resource(record, capture->text, capture->length, problem);
+}
+
+/* The resource, which is the query's, or NULL. */
+static bool use_resource(struct server_field_query *query, struct server_resource *resource)
+{
+    query->resource = resource;
+    if (!resource) return false;
     query->set = query->resource->set;
     query->request = server_resource_request(query->resource);
     return true;
@@ -139,6 +146,18 @@ static enum server_cache_turn claim(struct server_field_query *query, enum gd_st
 {
     return server_cache_claim(query->query.surface->shelf, &query->request, &query->query.exchange->job, &query->flight,
                               why);
+}
+
+bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem)
+{
+    return use_resource(query, server_find_resource(query->query.exchange, query->query.surface->record, problem));
+}
+
+bool server_field_query_of_id(struct server_field_query *query, const char *id, struct proto_problem *problem)
+{
+    if (use_resource(query, find_resource(query->query.surface->record, id, strlen(id), problem))) return true;
+    proto_problem_at(problem, "field");
+    return false;
 }
 
 enum server_query_turn server_field_query_glance(struct server_query *query, struct proto_problem *problem)

@@ -42,6 +42,9 @@ void server_field_query_of_located(struct server_field_query *query, const struc
 /* The field that the path of the request names; false: not_found or field_evicted. */
 bool server_field_query_of_resource(struct server_field_query *query, struct proto_problem *problem);
 
+/* The same of an id; what is wrong with it is at the parameter `field`. */
+bool server_field_query_of_id(struct server_field_query *query, const char *id, struct proto_problem *problem);
+
 enum server_query_turn server_field_query_glance(struct server_query *query, struct proto_problem *problem);
 bool server_field_query_join(struct server_query *query);
 enum server_query_turn server_field_query_solve(struct server_query *query, struct proto_problem *problem);

@@ -84,6 +84,10 @@ void server_handle_subdivision_distance(struct server_exchange *exchange);
 void server_handle_subdivision_path(struct server_exchange *exchange);
 void server_handle_subdivision_discretize(struct server_exchange *exchange);
 
+/* picture.c */
+void server_handle_picture_png(struct server_exchange *exchange);
+void server_handle_picture_svg(struct server_exchange *exchange);
+
 /* cut.c */
 void server_handle_cut(struct server_exchange *exchange);
 

@@ -58,6 +58,17 @@ class CommandLine(TestCase):
         self.assertIn("vertex: 2", self.geodesic("nearest", "square", "p:2,2,0"))
         self.assertIn("f 1 2 3", self.geodesic("download", "square"))
         self.assertIn("state", self.geodesic("jobs"))
+
+    def test_pictures_are_files(self):
+        self.upload("drawn.obj", SQUARE.decode())
+        with tempfile.TemporaryDirectory() as folder:
+            for name, begins in (("a.png", b"\x89PNG"), ("a.svg", b"<svg ")):
+                path = os.path.join(folder, name)
+                self.geodesic("picture", "drawn", path, "--source", "v:0", "--from", "v:0", "--to", "v:2", "--via", "v:1", "--size", "90x60")
+                with open(path, "rb") as file:
+                    self.assertTrue(file.read().startswith(begins))
+        self.assertIn("WIDTH", self.geodesic("picture", "--help"))
+        self.assertIn("geodesic: ", self.geodesic("picture", "drawn", "-", "--view", "nowhere", status=1))
         self.assertEqual(json.loads(self.geodesic("show", "square", "--json"))["faces"], 2)
 
     def test_mistakes(self):

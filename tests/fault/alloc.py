@@ -31,7 +31,8 @@ VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created_at|s
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
 QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{name}/path": "?from=v:0&to=e:1-2:0.5",
            "/v1/meshes/{name}/nearest": "?point=p:0.2,0.1,-0.5", "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
-           "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1"}
+           "/v1/meshes/{name}/fields/{id}/wedges": "?edge=0-1",
+           **{f"/v1/meshes/{{name}}/picture.{form}": "?source=v:0&from=v:0&to=v:2&isolines=2&size=64x48" for form in ("png", "svg")}}
 COARSE = ("/v1/subdivisions/{name}/distance", "/v1/subdivisions/{name}/path")  # on a mesh that is soon made
 JOBS = (("put", "/v1/meshes/{name}"), ("post", "/v1/meshes/{name}/fields"), ("post", "/v1/meshes/{name}/cut"), ("post", "/v1/meshes/{name}/voronoi"))
 UNSTABLE = ("/metrics", "/v1", "/v1/jobs", "/v1/jobs/{job}", "/v1/jobs/{job}/events", "/v1/batches", "/v1/batches/{batch}")  # answers that tell of the daemon's state

@@ -30,7 +30,7 @@ static bool is_short;
 
 static const struct operations *const suites[] = {
     &file_operations, &mesh_operations,       &field_operations, &query_operations, &curve_operations,
-    &line_operations, &parametric_operations, &limit_operations, &json_operations,
+    &line_operations, &parametric_operations, &limit_operations, &json_operations,  &picture_operations,
 };
 
 /* --- one trial --------------------------------------------------------------------------------------------------------------------- */

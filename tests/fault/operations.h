@@ -47,6 +47,6 @@ struct operations {
 };
 
 extern const struct operations file_operations, mesh_operations, field_operations, query_operations, curve_operations,
-    line_operations, parametric_operations, limit_operations, json_operations;
+    line_operations, parametric_operations, limit_operations, json_operations, picture_operations;
 
 #endif

@@ -169,6 +169,11 @@ class Mesh(Surface):
         """At each point the distance to the nearest member of a set, and which it is."""
         return self.query("distance-to-set", {"set": point_set(sources), "points": points.all_as_json(at), "path": path})["results"]
 
+    def picture(self, form: str = "png", **query: Any) -> bytes:
+        """A rendered picture, a file of form png or svg. Keywords as the contract has them, points in compact form: source="v:12", view="iso",
+        size="800x600", **{"from": "v:3"}, to="v:7", ..."""
+        return self.client.call("GET", f"{self.location}/picture.{form}", query).body
+
     def content(self, format: str = "obj") -> bytes:
         """The mesh as a file: obj, ply, off, stl, glb or gltf."""
         return self.client.call("GET", self.location + "/content", {"format": format}).body

@@ -66,6 +66,22 @@ static void refuses_bad_values(void **state)
     }
 }
 
+static void an_answer_without_fields_has_none_to_choose(void **state)
+{
+    (void)state;
+    struct proto_options options;
+    struct proto_problem problem;
+    struct proto_parameters parameters = QUERY("from", "v:1", "timeout_ms", "250");
+    assert_true(proto_options_parse(&parameters, NULL, names, &options, &problem));
+    assert_int_equal(options.timeout_ms, 250);
+    parameters = QUERY("fields", "distance");
+    assert_false(proto_options_parse(&parameters, NULL, names, &options, &problem));
+    assert_parameter(&problem, "fields");
+    parameters = QUERY("geometry", "xyz");
+    assert_false(proto_options_parse(&parameters, NULL, NULL, &options, &problem));
+    assert_parameter(&problem, "geometry");
+}
+
 static void lists_what_it_would_take(void **state)
 {
     (void)state;
@@ -119,9 +135,13 @@ static void leaves_what_is_absent(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_the_options),        cmocka_unit_test(refuses_bad_values),
-        cmocka_unit_test(lists_what_it_would_take), cmocka_unit_test(refuses_repeated_parameters),
-        cmocka_unit_test(requires_values),          cmocka_unit_test(leaves_what_is_absent),
+        cmocka_unit_test(reads_the_options),
+        cmocka_unit_test(refuses_bad_values),
+        cmocka_unit_test(an_answer_without_fields_has_none_to_choose),
+        cmocka_unit_test(lists_what_it_would_take),
+        cmocka_unit_test(refuses_repeated_parameters),
+        cmocka_unit_test(requires_values),
+        cmocka_unit_test(leaves_what_is_absent),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

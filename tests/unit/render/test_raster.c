@@ -25,7 +25,7 @@ static struct scene open_scene(struct gd_polygons *polygons, uint32_t rows)
     }
     scene.raster = (struct gd__raster){
         .mesh = mesh, .spots = scene.spots, .width = SIDE, .height = SIDE, .grid = GRID, .rows = rows};
-    check_ok(gd__raster_open(&scene.raster), NULL);
+    check_ok(gd__raster_open(&scene.raster, NULL), NULL);
     return scene;
 }
 
