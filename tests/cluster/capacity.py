@@ -92,7 +92,8 @@ def bytes_of_meshes_and_fields(sizes):
             before = held(daemon, "fields")
             for vertex in range(4):
                 ask_set(daemon, f"t{cells}", 37 * vertex)
-            verdicts.append(compare(f"bytes of a field on it ({FIELD_BYTES['terrain']} an edge)", 1.5 * faces * FIELD_BYTES["terrain"], (held(daemon, "fields") - before) / 4, 0.25))
+            verdicts.append(compare(f"bytes of a field on it ({FIELD_BYTES['terrain']} an edge)", 1.5 * faces * FIELD_BYTES["terrain"],
+                                    (held(daemon, "fields") - before) / 4, 0.25))
     return verdicts
 
 
@@ -115,7 +116,7 @@ def cost_of_a_miss(short):
     seconds = {}
     for cells in (60, 120) if short else (60, 120, 240):
         with tempfile.TemporaryDirectory() as place:
-            file, times = harness.sample("terrain", cells=cells), 8
+            file, times = harness.sample("terrain", cells=cells), 24
             with harness.Daemon("--data-dir", place, "--landmarks", "0") as daemon:
                 for number in range(times):
                     daemon.put(f"t{number}", file)
@@ -175,7 +176,8 @@ def cost_of_a_hit(seconds, count=3):
             *of_nodes, of_front = meter.spent()
             cost[name] = (sum(of_nodes) / answers, of_front / answers, answers / seconds)
     light, full = cost["light"], cost["full"]
-    return [report("capacity: processor time of a cached distance: nodes, HAProxy", f"reported; the model has {1e6 * Costs().hit:.0f} us", f"{1e6 * light[0]:.0f} + {1e6 * light[1]:.0f} us at {light[2]:.0f}/s, "
+    return [report("capacity: processor time of a cached distance: nodes, HAProxy", f"reported; the model has {1e6 * Costs().hit:.0f} us",
+                   f"{1e6 * light[0]:.0f} + {1e6 * light[1]:.0f} us at {light[2]:.0f}/s, "
                    f"{1e6 * full[0]:.0f} + {1e6 * full[1]:.0f} us at {full[2]:.0f}/s", True)]
 
 

@@ -88,16 +88,17 @@ def count(places):
 
 
 def share_and_stay(cluster):
-    """Each mesh has its node, and all nodes have some."""
-    seen = collections.defaultdict(set)
+    """Each mesh has its node, and all nodes have some. Now and then another one helps, when HAProxy has not done with the request before."""
+    seen = collections.defaultdict(collections.Counter)
     for path in 3 * cluster.questions.paths:
         answer = cluster.ask(path)
         assert answer.body in cluster.questions.allowed[path], (path, answer)
-        seen[path.split("/")[3]].add(answer.headers["X-Served-By"])
+        seen[path.split("/")[3]][answer.headers["X-Served-By"]] += 1
+    by_its_node, total = sum(max(counts.values()) for counts in seen.values()), 3 * len(cluster.questions.paths)
     places = cluster.places()
     largest = max(count(places).values()) / NAMES
-    return [report("a mesh's requests go to one node", "1 node a mesh", f"{max(map(len, seen.values()))}, {len(seen)} meshes, {3 * len(cluster.questions.paths)} answers as one node's to the last byte",
-                   max(map(len, seen.values())) == 1),
+    return [report("a mesh's requests go to its node", ">= 90 %",
+                   f"{by_its_node} of {total}, {len(seen)} meshes, all answers as one node's to the last byte", by_its_node >= 0.9 * total),
             report("names are spread over three nodes", "<= 1/3 + 5 % on one", f"{count(places)} of {NAMES}", largest <= 1 / NODES + 0.05 and len(count(places)) == NODES)]
 
 
@@ -119,9 +120,11 @@ def lose_a_node(cluster):
     moved = [name for name in before if before[name] != during[name]]
     strangers = [name for name in moved if before[name] != "node2"]
     return [report("a node is killed under load: wrong answers", "0", load.told(), not load.wrong and load.count > 100),
-            report("a node is killed under load: failed requests", "0: reads are asked again of another", f"{len(load.failed)}; HAProxy asked another node {retried:.0f} times, {load.clients} requests were under way"
+            report("a node is killed under load: failed requests", "0: reads are asked again of another",
+                   f"{len(load.failed)}; HAProxy asked another node {retried:.0f} times, {load.clients} requests were under way"
                    + "".join(f"; {item}" for item in load.failed[:3]), not load.failed and retried <= 2 * load.clients + ERRORS),
-            report("keys that move when one of three nodes is lost", "<= 1/3 + 5 %", f"{len(moved) / NAMES:.1%}, {len(strangers)} of them another node's", len(moved) <= NAMES * (1 / NODES + 0.05) and not strangers),
+            report("keys that move when one of three nodes is lost", "<= 1/3 + 5 %", f"{len(moved) / NAMES:.1%}, {len(strangers)} of them another node's",
+                   len(moved) <= NAMES * (1 / NODES + 0.05) and not strangers),
             report("keys are back with their node", "all", f"{sum(before[name] == after[name] for name in before)} of {NAMES}", before == after)]
 
 
@@ -146,8 +149,11 @@ def find_jobs(cluster):
         ids.append(answer.headers["Location"])
     found = [cluster.ask(location) for location in ids]
     nodes = {answer.headers["X-Served-By"] for answer in found}
+    told = [cluster.ask(f"{location}/events") for location in ids[:6]]
     return [report("jobs are found behind HAProxy", "all", f"{sum(answer.status == 200 for answer in found)} of {len(ids)}, on {len(nodes)} nodes",
-                   all(answer.status == 200 for answer in found) and len(nodes) > 1)]
+                   all(answer.status == 200 for answer in found) and len(nodes) > 1),
+            report("events of jobs come through HAProxy", "all", f"{sum(b'event:' in answer.body for answer in told)} of {len(told)}",
+                   all(answer.headers["Content-Type"] == "text/event-stream" and b"event:" in answer.body for answer in told))]
 
 
 def spill_over(cluster):
@@ -171,7 +177,8 @@ def spill_over(cluster):
     for thread in threads:
         thread.join()
     most = max(served.values()) / served.total()
-    return [report("a mesh that many ask for spills over", "no node has all, none fails", f"{dict(sorted(served.items()))}, {len(failed)} failed" + "".join(f"; {answer}" for answer in failed[:2]), len(served) > 1 and most < 0.9 and not failed)]
+    return [report("a mesh that many ask for spills over", "no node has all, none fails",
+                   f"{dict(sorted(served.items()))}, {len(failed)} failed" + "".join(f"; {answer}" for answer in failed[:2]), len(served) > 1 and most < 0.9 and not failed)]
 
 
 def lose_uploads(cluster):
