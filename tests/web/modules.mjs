@@ -11,7 +11,12 @@ const SOURCES = path.join(path.dirname(fileURLToPath(import.meta.url)), "../../c
 /** A module of the viewer, compiled by the esbuild that compiles the pages. */
 async function load(settings, name) {
   const { buildSync } = createRequire(path.join(settings.pages, "package.json"))("esbuild");
-  const [{ text }] = buildSync({ entryPoints: [path.join(SOURCES, `${name}.ts`)], bundle: true, format: "esm", write: false }).outputFiles;
+  const [{ text }] = buildSync({
+    entryPoints: [path.join(SOURCES, `${name}.ts`)],
+    bundle: true,
+    format: "esm",
+    write: false,
+  }).outputFiles;
   return import(`data:text/javascript;base64,${Buffer.from(text).toString("base64")}`);
 }
 
@@ -25,7 +30,8 @@ function randoms(seed) {
 
 function soup(count, random) {
   const positions = Float32Array.from({ length: 9 * count }, (_, i) => (i % 9 < 3 ? 2 * random() - 1 : NaN));
-  for (let i = 0; i < positions.length; i++) if (Number.isNaN(positions[i])) positions[i] = positions[i - (i % 9) + (i % 3)] + 0.6 * (random() - 0.5);
+  for (let i = 0; i < positions.length; i++)
+    if (Number.isNaN(positions[i])) positions[i] = positions[i - (i % 9) + (i % 3)] + 0.6 * (random() - 0.5);
   return { positions, faces: Uint32Array.from({ length: 3 * count }, (_, i) => i) };
 }
 
@@ -55,9 +61,15 @@ async function rays({ settings }) {
 async function files({ settings }) {
   const { parsePly } = await load(settings, "ply");
   for (const comment of ["", "x", "xy", "xyz"]) {
-    const header = `ply\nformat binary_little_endian 1.0\ncomment ${comment}\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n` +
+    const header =
+      `ply\nformat binary_little_endian 1.0\ncomment ${comment}\nelement vertex 3\n` +
+      "property double x\nproperty double y\nproperty double z\n" +
       "element face 2\nproperty list uchar uint vertex_indices\nend_header\n";
-    const bytes = Buffer.concat([Buffer.from(header), Buffer.from(Float64Array.from([0, 1, 2, 3, 4, 1e300, -1e-300, 7, 8]).buffer), Buffer.from([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0])]);
+    const bytes = Buffer.concat([
+      Buffer.from(header),
+      Buffer.from(Float64Array.from([0, 1, 2, 3, 4, 1e300, -1e-300, 7, 8]).buffer),
+      Buffer.from([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3, 2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]),
+    ]);
     const { positions, faces } = parsePly(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
     assert.deepEqual([...positions], [0, 1, 2, 3, 4, 1e300, -1e-300, 7, 8]);
     assert.deepEqual([...faces], [0, 1, 2, 2, 1, 0]);
@@ -65,16 +77,35 @@ async function files({ settings }) {
 }
 
 /** What a shell makes of a command line: its words. */
-const words = (command) => execFileSync("sh", ["-c", `printf '%s\\n' ${command}`]).toString().trimEnd().split("\n");
+const words = (command) =>
+  execFileSync("sh", ["-c", `printf '%s\\n' ${command}`])
+    .toString()
+    .trimEnd()
+    .split("\n");
 
 async function commands({ settings }) {
   const { curlOf } = await load(settings, "curl");
   const json = { label: `it's "so" $HOME \`id\` & \\ more`, xyz: [1, -2.5, 1e-9] };
   const request = { method: "POST", path: "/v1/meshes/a/path", query: { geometry: "xyz" }, json };
-  assert.deepEqual(words(curlOf(request, "http://h:1", false)), ["curl", "--json", JSON.stringify(json), "http://h:1/v1/meshes/a/path?geometry=xyz"]);
+  assert.deepEqual(words(curlOf(request, "http://h:1", false)), [
+    "curl",
+    "--json",
+    JSON.stringify(json),
+    "http://h:1/v1/meshes/a/path?geometry=xyz",
+  ]);
   const upload = { method: "PUT", path: "/v1/meshes/a", file: { name: "my 'file'; rm.obj", body: null } };
-  assert.deepEqual(words(curlOf(upload, "http://h:1", false)), ["curl", "-T", "my 'file'; rm.obj", "http://h:1/v1/meshes/a"]);
-  assert.deepEqual(words(curlOf({ method: "DELETE", path: "/v1/meshes/a" }, "http://h:1", false)), ["curl", "-X", "DELETE", "http://h:1/v1/meshes/a"]);
+  assert.deepEqual(words(curlOf(upload, "http://h:1", false)), [
+    "curl",
+    "-T",
+    "my 'file'; rm.obj",
+    "http://h:1/v1/meshes/a",
+  ]);
+  assert.deepEqual(words(curlOf({ method: "DELETE", path: "/v1/meshes/a" }, "http://h:1", false)), [
+    "curl",
+    "-X",
+    "DELETE",
+    "http://h:1/v1/meshes/a",
+  ]);
   assert.match(curlOf({ method: "GET", path: "/v1" }, "http://h:1", true), /"Authorization: Bearer \$KEY"/);
 }
 
@@ -109,7 +140,10 @@ async function places({ settings }) {
 
 async function numbers({ settings }) {
   const { Units, bytes, number } = await load(settings, "units");
-  assert.deepEqual([0, 1234567, -0.5, 1 / 3, 1e-5, 2.5e9].map((value) => number(value, 4)), ["0", "1\u202f235\u202f000", "−0.5", "0.3333", "1.000e−5", "2.500e9"]);
+  assert.deepEqual(
+    [0, 1234567, -0.5, 1 / 3, 1e-5, 2.5e9].map((value) => number(value, 4)),
+    ["0", "1\u202f235\u202f000", "−0.5", "0.3333", "1.000e−5", "2.500e9"],
+  );
   assert.deepEqual([bytes(999), bytes(1536), bytes(2 ** 32)], ["999 B", "1.5 KiB", "4 GiB"]);
   const units = new Units();
   assert.equal(units.length(2), "2 units");

@@ -1,4 +1,5 @@
-// The part of the panel that tells what came back: facts, an error's sentence, progress, and the requests that were made.
+// The part of the panel that tells what came back: facts, an error's sentence, progress, and the requests that were
+// made.
 
 import type { Request } from "./api.ts";
 import { curlOf } from "./curl.ts";
@@ -25,7 +26,12 @@ export class Answer {
 
   /** `hasKey`: requests need the access key. */
   constructor(private readonly hasKey: () => boolean) {
-    const details = make("details", {}, make("summary", {}, "The request"), make("pre", { tabindex: 0, "aria-label": "The request as curl" }, this.code));
+    const details = make(
+      "details",
+      {},
+      make("summary", {}, "The request"),
+      make("pre", { tabindex: 0, "aria-label": "The request as curl" }, this.code),
+    );
     this.request.append(this.copyButton, details);
     this.request.hidden = true;
   }
@@ -70,7 +76,8 @@ export class Answer {
       await navigator.clipboard.writeText(this.curl());
       this.copyButton.textContent = "Copied";
     } catch {
-      this.request.querySelector("details")!.open = true; /* where a page may not write to the clipboard it can be read */
+      this.request.querySelector("details")!.open =
+        true; /* where a page may not write to the clipboard it can be read */
       this.copyButton.textContent = "Copy it from below";
     }
     setTimeout(() => (this.copyButton.textContent = "Copy as curl"), 2000);

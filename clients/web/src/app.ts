@@ -1,5 +1,6 @@
 // The viewer as a whole: it brings surface, mode, points, URL and panel together.
 
+import type { Service } from "../../js/types.d.ts";
 import { Answer } from "./answer.ts";
 import { Api, ApiError } from "./api.ts";
 import { Bench, isAbort } from "./bench.ts";
@@ -26,7 +27,10 @@ const STARTING_FACES = 300000; /* a larger mesh is not opened unasked */
 const PATIENCE = 700; /* milliseconds until the user is told that an answer takes long */
 const KINDS: Kind[] = ["meshes", "subdivisions", "nurbs"];
 
-/** Where the first points of a surface lie: on a ring about the middle of the picture, and nearer to it where the surface is not seen there. */
+/**
+ * Where the first points of a surface lie: on a ring about the middle of the picture, and nearer to it where the
+ * surface is not seen there.
+ */
 const RING = 6;
 const RADII = [0.3, 0.22, 0.14, 0.07, 0];
 
@@ -36,7 +40,9 @@ export class App {
   readonly points = new Points();
   readonly units = new Units();
   readonly answer = new Answer(() => this.api.key !== "");
-  readonly bench = new Bench(this.api, this.scene, this.points, this.answer, new Legend(), this.units, { ramp: "dusk" });
+  readonly bench = new Bench(this.api, this.scene, this.points, this.answer, new Legend(), this.units, {
+    ramp: "dusk",
+  });
   readonly modes: Mode[] = allModes(this.bench);
   readonly rate = new Rate();
   mode: Mode = this.modes[0]!;
@@ -75,7 +81,13 @@ export class App {
   /** What the URL says, or what there is. */
   async start(): Promise<void> {
     await this.list();
+    await this.readFormats();
     await this.restore();
+  }
+
+  private async readFormats(): Promise<void> {
+    const service = await this.api.get<Service>("/v1").catch(() => null);
+    if (service) this.chooser.showFormats(service.capabilities.formats);
   }
 
   private async list(): Promise<void> {
@@ -122,7 +134,8 @@ export class App {
   /** The surface of a kind that was open last, the first one that there is, or a sample. */
   private async openKind(kind: Kind): Promise<void> {
     const names = this.chooser.known[kind];
-    const known = names.find((name) => name === this.latest.get(kind)) ?? names.find((name) => !/-(limit|mesh)$/.test(name));
+    const known =
+      names.find((name) => name === this.latest.get(kind)) ?? names.find((name) => !/-(limit|mesh)$/.test(name));
     if (known) await this.open(kind, known);
     else await this.openSample(SAMPLES.find((sample) => sample.kind === kind)!);
   }
@@ -130,7 +143,8 @@ export class App {
   /** The first mesh of the daemon, unless it is very large; else the user is shown where to begin. */
   private async openSomething(): Promise<void> {
     const first = this.chooser.known.meshes[0];
-    const mesh = first && (await this.api.get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`).catch(() => null));
+    const mesh =
+      first && (await this.api.get<{ faces: number }>(`/v1/meshes/${encodeURIComponent(first)}`).catch(() => null));
     if (mesh && mesh.faces <= STARTING_FACES) return this.open("meshes", first);
     byId("start").hidden = this.bench.surface !== undefined;
     this.tell();
@@ -176,7 +190,8 @@ export class App {
   private async upload(kind: Kind, file: { name: string; body: Blob }, query: Record<string, string>): Promise<void> {
     this.opening?.abort();
     const opening = (this.opening = new AbortController());
-    const onUpload = (what: string, part: number): void => this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
+    const onUpload = (what: string, part: number): void =>
+      this.answer.showProgress(`${what} ${file.name}`, part, () => opening.abort());
     let made: Description | undefined;
     this.loads++;
     try {
@@ -246,12 +261,18 @@ export class App {
     this.changed(false);
   }
 
-  /** As many points as the mode begins with: those of the mode before, then places where the surface is seen about the middle of the picture. */
+  /**
+   * As many points as the mode begins with: those of the mode before, then places where the surface is seen about the
+   * middle of the picture.
+   */
   private setFirstPoints(before: Place[]): void {
     let spot = before.length;
     for (const group of this.mode.groups) {
       const places = Array.from({ length: group.first ?? group.least }, () => before.shift() ?? this.spot(spot++));
-      this.points.set(group.id, places.filter((place) => place !== null));
+      this.points.set(
+        group.id,
+        places.filter((place) => place !== null),
+      );
     }
   }
 
@@ -337,7 +358,9 @@ export class App {
   read(): Record<string, string> {
     const { surface } = this.bench;
     if (!surface) return {};
-    const groups = this.mode.groups.map((group) => [group.id, this.points.text(group.id)] as const).filter(([, text]) => text);
+    const groups = this.mode.groups
+      .map((group) => [group.id, this.points.text(group.id)] as const)
+      .filter(([, text]) => text);
     return {
       [surface.kind]: surface.name,
       mode: this.mode.id,
@@ -348,4 +371,3 @@ export class App {
     };
   }
 }
-

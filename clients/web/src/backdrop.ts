@@ -1,5 +1,5 @@
-// The surface as it was drawn last, with its depth. While only lines and points change, a frame copies it instead of drawing every triangle again:
-// a path is dragged over a million faces as smoothly as over a thousand.
+// The surface as it was drawn last, with its depth. While only lines and points change, a frame copies it instead of
+// drawing every triangle again: a path is dragged over a million faces as smoothly as over a thousand.
 
 import {
   BufferAttribute,
@@ -47,9 +47,19 @@ export class Backdrop {
   /** `samples` a pixel, for smooth edges. */
   constructor(samples: number) {
     const depthTexture = new DepthTexture(1, 1);
-    this.target = new WebGLRenderTarget(1, 1, { samples, magFilter: NearestFilter, minFilter: NearestFilter, depthTexture });
+    this.target = new WebGLRenderTarget(1, 1, {
+      samples,
+      magFilter: NearestFilter,
+      minFilter: NearestFilter,
+      depthTexture,
+    });
     const uniforms = { colour: { value: this.target.texture }, depth: { value: this.target.depthTexture } };
-    const material = new ShaderMaterial({ uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, blending: NoBlending });
+    const material = new ShaderMaterial({
+      uniforms,
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      blending: NoBlending,
+    });
     const quad = new Mesh(cover(), material);
     quad.frustumCulled = false;
     this.copy.add(quad);

@@ -1,4 +1,5 @@
-// What every mode works with: the surface, its points, the picture, the panel, and calls that belong to the present question.
+// What every mode works with: the surface, its points, the picture, the panel, and calls that belong to the present
+// question.
 
 import type { ResultsAnswer } from "../../js/types.d.ts";
 import type { Answer } from "./answer.ts";
@@ -121,13 +122,24 @@ export class Bench {
     return this.timed(request, () => this.api.fetch(request, this.running?.signal));
   }
 
-  /** The exact distances to a set, and the nearest member, at the vertices of the finer mesh of a coarse one. Only the picture needs them: they are not among the requests that are shown. */
+  /**
+   * The exact distances to a set, and the nearest member, at the vertices of the finer mesh of a coarse one. Only the
+   * picture needs them: they are not among the requests that are shown.
+   */
   async fineDistances(set: object): Promise<{ values: Float64Array; labels: (number | null)[] } | null> {
     const { fine } = this.surface!;
     if (!fine) return null;
-    const request: Request = { method: "POST", path: `${this.surface!.path}/distance-to-set`, query: { fields: "distance,nearest" }, json: { set, points: fine.places.map(pointOf) } };
+    const request: Request = {
+      method: "POST",
+      path: `${this.surface!.path}/distance-to-set`,
+      query: { fields: "distance,nearest" },
+      json: { set, points: fine.places.map(pointOf) },
+    };
     const { results } = await this.api.json<ResultsAnswer>(request, this.running?.signal);
-    return { values: Float64Array.from(results, ({ distance }) => distance ?? NaN), labels: results.map(({ nearest }) => nearest?.index ?? null) };
+    return {
+      values: Float64Array.from(results, ({ distance }) => distance ?? NaN),
+      labels: results.map(({ nearest }) => nearest?.index ?? null),
+    };
   }
 
   /** A question that may take long; from so many faces on a job. */

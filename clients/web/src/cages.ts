@@ -1,5 +1,6 @@
-// Control meshes of subdivision surfaces. The daemon keeps them but does not hand them out, so the page knows those that it has sent itself: samples, and the
-// files of this visit. They are recognized by their SHA-256, which the description of a surface tells.
+// Control meshes of subdivision surfaces. The daemon keeps them but does not hand them out, so the page knows those
+// that it has sent itself: samples, and the files of this visit. They are recognized by their SHA-256, which the
+// description of a surface tells.
 
 import { SAMPLES } from "./samples.ts";
 import type { Vec3 } from "./vector.ts";
@@ -26,13 +27,18 @@ interface Polygons {
 function parseObj(text: string): Polygons {
   const rows = text.split("\n").map((line) => line.trim().split(/\s+/));
   const vertices = rows.filter(([word]) => word === "v").map((row) => row.slice(1, 4).map(Number));
-  const index = (corner: string): number => (Number.parseInt(corner) > 0 ? Number.parseInt(corner) - 1 : vertices.length + Number.parseInt(corner));
+  const index = (corner: string): number =>
+    Number.parseInt(corner) > 0 ? Number.parseInt(corner) - 1 : vertices.length + Number.parseInt(corner);
   return { vertices, faces: rows.filter(([word]) => word === "f").map((row) => row.slice(1).map(index)) };
 }
 
 /** A mesh in JSON, or in the arrays of OpenUSD. */
 function parseJson(text: string): Polygons {
-  const file = JSON.parse(text) as Partial<Polygons> & { points?: number[][]; faceVertexCounts?: number[]; faceVertexIndices?: number[] };
+  const file = JSON.parse(text) as Partial<Polygons> & {
+    points?: number[][];
+    faceVertexCounts?: number[];
+    faceVertexIndices?: number[];
+  };
   if (file.vertices && file.faces) return file as Polygons;
   let at = 0;
   const faces = (file.faceVertexCounts ?? []).map((count) => (file.faceVertexIndices ?? []).slice(at, (at += count)));
@@ -41,7 +47,8 @@ function parseJson(text: string): Polygons {
 
 /** The edges of the control mesh of this hash, in the file's unit; none if the page does not know it. */
 export async function cageEdges(hash: string): Promise<Vec3[][]> {
-  if (known.size === 0) for (const sample of SAMPLES) if (sample.kind === "subdivisions") await rememberCage(sample.file().text);
+  if (known.size === 0)
+    for (const sample of SAMPLES) if (sample.kind === "subdivisions") await rememberCage(sample.file().text);
   const text = known.get(hash);
   if (!text) return [];
   const { vertices, faces } = text.trimStart().startsWith("{") ? parseJson(text) : parseObj(text);

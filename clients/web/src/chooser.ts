@@ -31,7 +31,12 @@ export interface ChooserCalls {
 export class Chooser {
   private readonly select: HTMLSelectElement;
   private readonly how: HTMLSelectElement;
-  private readonly file = make("input", { type: "file", id: "file", accept: ".obj,.ply,.stl,.off,.json", "aria-label": "File to upload" });
+  private readonly file = make("input", {
+    type: "file",
+    id: "file",
+
+    "aria-label": "File to upload",
+  });
   private readonly facts = make("p", { class: "faint", id: "surface-facts" });
   private readonly remove: HTMLButtonElement;
   private names: Record<Kind, string[]> = { meshes: [], subdivisions: [], nurbs: [] };
@@ -96,6 +101,12 @@ export class Chooser {
     });
   }
 
+  /** Which files the daemon reads. */
+  showFormats(formats: string[]): void {
+    this.file.accept = formats.map((format) => `.${format}`).join(",");
+    byId("start-formats").textContent = formats.map((format) => format.toUpperCase()).join(", ");
+  }
+
   /** What the daemon has, and what is open. */
   show(names: Record<Kind, string[]>, open: Surface | undefined): void {
     this.names = names;
@@ -114,7 +125,8 @@ export class Chooser {
 
   /** Files are read as this, until the user says otherwise. */
   expect(kind: Kind): void {
-    if (UPLOADS.find(([value]) => value === this.how.value)![2] !== kind) this.how.value = UPLOADS.find((row) => row[2] === kind)![0];
+    if (UPLOADS.find(([value]) => value === this.how.value)![2] !== kind)
+      this.how.value = UPLOADS.find((row) => row[2] === kind)![0];
   }
 
   showFacts(surface: Surface | undefined, units: Units): void {

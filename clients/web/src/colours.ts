@@ -1,4 +1,5 @@
-// Colours of values and of members: ramps of even lightness, and hues as far apart as they can be. In OKLab (Ottosson 2020), where equal steps look equal.
+// Colours of values and of members: ramps of even lightness, and hues as far apart as they can be. In OKLab (Ottosson
+// 2020), where equal steps look equal.
 
 export type Rgb = [number, number, number];
 
@@ -68,4 +69,10 @@ export function memberColour(i: number, lightness = 0.72): Rgb {
 }
 
 export const hexOf = (rgb: Rgb): string =>
-  `#${rgb.map((c) => Math.round(c * 255).toString(16).padStart(2, "0")).join("")}`;
+  `#${rgb
+    .map((c) =>
+      Math.round(c * 255)
+        .toString(16)
+        .padStart(2, "0"),
+    )
+    .join("")}`;

@@ -18,10 +18,17 @@ export function domainDrawing(surface: Nurbs, lines: { points: Place[]; style: s
   const x = ([at]: Place): number => MARGIN + ((at - u.range[0]) / (u.range[1] - u.range[0])) * SIZE;
   const y = ([, at]: Place): number => MARGIN + (1 - (at - v.range[0]) / (v.range[1] - v.range[0])) * SIZE;
   const whole = SIZE + 2 * MARGIN;
-  const svg = part("svg", { viewBox: `0 0 ${whole} ${whole}`, class: "domain", role: "img", "aria-label": "The domain, u to the right, v upwards" }) as SVGSVGElement;
+  const svg = part("svg", {
+    viewBox: `0 0 ${whole} ${whole}`,
+    class: "domain",
+    role: "img",
+    "aria-label": "The domain, u to the right, v upwards",
+  }) as SVGSVGElement;
   svg.append(part("rect", { x: MARGIN, y: MARGIN, width: SIZE, height: SIZE, class: "border" }));
   for (const { points, style } of lines) {
-    svg.append(part("polyline", { points: points.map((p) => `${x(p).toFixed(1)},${y(p).toFixed(1)}`).join(" "), class: style }));
+    svg.append(
+      part("polyline", { points: points.map((p) => `${x(p).toFixed(1)},${y(p).toFixed(1)}`).join(" "), class: style }),
+    );
   }
   return svg;
 }

@@ -1,5 +1,5 @@
-// A coarse mesh cut finer for its colours: between far vertices a distance is not linear. The finer vertices lie in the faces of the mesh, and the daemon is asked for the
-// exact distance at each.
+// A coarse mesh cut finer for its colours: between far vertices a distance is not linear. The finer vertices lie in the
+// faces of the mesh, and the daemon is asked for the exact distance at each.
 
 import { type Place, rounded } from "./place.ts";
 import type { Surface } from "./surface.ts";
@@ -22,7 +22,8 @@ export interface Fine {
 /** Weights of the grid points of a triangle whose edges are cut into `parts`, row by row. */
 function gridWeights(parts: number): Vec3[] {
   const weights: Vec3[] = [];
-  for (let i = 0; i <= parts; i++) for (let j = 0; j <= parts - i; j++) weights.push(rounded([1 - (i + j) / parts, j / parts, i / parts]));
+  for (let i = 0; i <= parts; i++)
+    for (let j = 0; j <= parts - i; j++) weights.push(rounded([1 - (i + j) / parts, j / parts, i / parts]));
   return weights;
 }
 
@@ -55,7 +56,10 @@ export function refined(surface: Surface): Fine | null {
   for (let face = 0; face < faceCount; face++) {
     const corners = surface.triangles.faces.subarray(3 * face, 3 * face + 3);
     const first = face * grid.length;
-    fine.faces.set(triangles.map((i) => first + i), face * triangles.length);
+    fine.faces.set(
+      triangles.map((i) => first + i),
+      face * triangles.length,
+    );
     grid.forEach((weights, i) => {
       fine.corners.set(corners, 3 * (first + i));
       fine.weights.set(weights, 3 * (first + i));
@@ -72,7 +76,8 @@ export function interpolated(fine: Fine, values: ArrayLike<number>, size: number
   const count = corners.length / 3;
   const result = new Float64Array(size * count);
   for (let i = 0; i < 3 * count; i++) {
-    for (let k = 0; k < size; k++) result[size * Math.floor(i / 3) + k]! += weights[i]! * values[size * corners[i]! + k]!;
+    for (let k = 0; k < size; k++)
+      result[size * Math.floor(i / 3) + k]! += weights[i]! * values[size * corners[i]! + k]!;
   }
   return result;
 }

@@ -15,9 +15,18 @@ const SIZE = 0.075; /* in the surface's frame */
 const ROUND = 8; /* seconds that a whole curve takes */
 
 function shape(): Group {
-  const body = new Mesh(new ConeGeometry(SIZE * 0.3, SIZE * 2, 20).rotateZ(-Math.PI / 2), new MeshLambertMaterial({ color: "#c98a00" }));
-  const fin = new Mesh(new BoxGeometry(SIZE * 0.6, SIZE * 0.08, SIZE * 0.9).translate(-SIZE * 0.5, 0, SIZE * 0.4), new MeshLambertMaterial({ color: "#7a1fa2" }));
-  const wings = new Mesh(new BoxGeometry(SIZE * 0.5, SIZE * 1.8, SIZE * 0.08).translate(-SIZE * 0.3, 0, 0), new MeshLambertMaterial({ color: "#7a1fa2" }));
+  const body = new Mesh(
+    new ConeGeometry(SIZE * 0.3, SIZE * 2, 20).rotateZ(-Math.PI / 2),
+    new MeshLambertMaterial({ color: "#c98a00" }),
+  );
+  const fin = new Mesh(
+    new BoxGeometry(SIZE * 0.6, SIZE * 0.08, SIZE * 0.9).translate(-SIZE * 0.5, 0, SIZE * 0.4),
+    new MeshLambertMaterial({ color: "#7a1fa2" }),
+  );
+  const wings = new Mesh(
+    new BoxGeometry(SIZE * 0.5, SIZE * 1.8, SIZE * 0.08).translate(-SIZE * 0.3, 0, 0),
+    new MeshLambertMaterial({ color: "#7a1fa2" }),
+  );
   return new Group().add(body, fin, wings);
 }
 
@@ -32,7 +41,9 @@ export class Glider {
     this.object.matrixAutoUpdate = false;
   }
 
-  /** Goes along these frames, which follow each other at equal times; where it is now it stays, as a part of the whole. */
+  /**
+   * Goes along these frames, which follow each other at equal times; where it is now it stays, as a part of the whole.
+   */
   follow(frames: Frame[]): void {
     this.frames = frames;
     this.scene.props.add(this.object);

@@ -26,10 +26,6 @@ export class Handles {
     private readonly points: Points,
   ) {}
 
-  get dragging(): boolean {
-    return this.dragged !== null;
-  }
-
   /** A button for each point, as they are now. Buttons stay, so that the focus does. */
   update(): void {
     this.marks = this.points.all;
@@ -93,7 +89,10 @@ export class Handles {
     if (place) this.points.move(mark, place, true);
   }
 
-  /** The surface at a pixel; beside the surface what is first seen on the way to its middle, so that a point glides along the outline. */
+  /**
+   * The surface at a pixel; beside the surface what is first seen on the way to its middle, so that a point glides
+   * along the outline.
+   */
   private towardsMiddle(pixel: Pixel): Place | null {
     const middle = this.scene.middle;
     for (let i = 0; i < STRIDES; i++) {

@@ -16,10 +16,14 @@ const KEYS: [string, string][] = [
   ["?", "this list"],
 ];
 
-const HELP = `Click the surface to set points, drag them to move them. Drag the picture to turn it, with the right button or two fingers to shift it, and use the
-wheel or pinch to zoom. The address of the page tells all that is shown: copy it to show it to others.`;
+const HELP =
+  "Click the surface to set points, drag them to move them. Drag the picture to turn it, with the right button or two " +
+  "fingers to shift it, and use the wheel or pinch to zoom. The address of the page tells all that is shown: copy it to " +
+  "show it to others.";
 
-const isTyping = (target: EventTarget | null): boolean => target instanceof HTMLElement && target.matches("input:not([type=radio], [type=checkbox], [type=range]), select, textarea");
+const isTyping = (target: EventTarget | null): boolean =>
+  target instanceof HTMLElement &&
+  target.matches("input:not([type=radio], [type=checkbox], [type=range]), select, textarea");
 
 export class Help {
   private readonly dialog = byId<HTMLDialogElement>("help");
@@ -29,7 +33,12 @@ export class Help {
     private readonly display: Display,
   ) {
     const rows = KEYS.flatMap(([key, what]) => [make("dt", {}, make("kbd", {}, key)), make("dd", {}, what)]);
-    this.dialog.append(make("h2", { id: "help-title" }, "How to use it"), make("p", {}, HELP), make("dl", {}, ...rows), button("Close", () => this.dialog.close()));
+    this.dialog.append(
+      make("h2", { id: "help-title" }, "How to use it"),
+      make("p", {}, HELP),
+      make("dl", {}, ...rows),
+      button("Close", () => this.dialog.close()),
+    );
     addEventListener("keydown", (event) => this.key(event));
   }
 

@@ -33,7 +33,9 @@ async function follow(api: Api, path: string, onProgress: OnProgress, signal?: A
   }
 }
 
-/** Waits for a job and answers what its request would have answered itself. An abort cancels the job at the daemon, too. */
+/**
+ * Waits for a job and answers what its request would have answered itself. An abort cancels the job at the daemon, too.
+ */
 export async function followJob(
   api: Api,
   path: string,
@@ -52,7 +54,12 @@ export async function followJob(
 }
 
 /** Sends a request as a job and answers as if it had been none. */
-export async function runJob(api: Api, request: Request, onProgress: OnProgress, signal?: AbortSignal): Promise<Response> {
+export async function runJob(
+  api: Api,
+  request: Request,
+  onProgress: OnProgress,
+  signal?: AbortSignal,
+): Promise<Response> {
   const accepted = await api.fetch(request, signal, { Prefer: "respond-async" });
   if (accepted.status !== 202) return accepted;
   return followJob(api, accepted.headers.get("Location")!, request.accept, onProgress, signal);

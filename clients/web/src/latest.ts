@@ -1,4 +1,5 @@
-// Work of which only the newest matters: one at a time, and what was asked for meanwhile is done next, the last of it only.
+// Work of which only the newest matters: one at a time, and what was asked for meanwhile is done next, the last of it
+// only.
 
 export class Latest<T> {
   private next: T | undefined;

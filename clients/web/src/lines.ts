@@ -7,7 +7,10 @@ import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeome
 import { GreaterDepth, type ColorRepresentation } from "three";
 import type { Vec3 } from "./vector.ts";
 
-/** How far lines are lifted towards the eye, in steps of a depth of 24 bits: over the triangles that stand for a smooth surface, too. */
+/**
+ * How far lines are lifted towards the eye, in steps of a depth of 24 bits: over the triangles that stand for a smooth
+ * surface, too.
+ */
 const LIFT = 12000;
 
 export interface LineStyle {
@@ -46,7 +49,9 @@ function material(style: LineStyle, behind: boolean): LineMaterial {
 
 export class Lines {
   readonly group = new Group();
-  /** Kept: with its last material a program of the graphics card would go, and be compiled again for the next answer. */
+  /**
+   * Kept: with its last material a program of the graphics card would go, and be compiled again for the next answer.
+   */
   private readonly materials = new Map<string, LineMaterial>();
   private readonly sets = new Map<string, LineSegments2[]>();
 

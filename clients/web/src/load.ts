@@ -39,11 +39,20 @@ function discretization(kind: Kind, description: Mesh | Subdivision | Nurbs): Ma
     return { method: "POST", path: `${path}/discretize`, json };
   }
   if (kind === "meshes") return null;
-  return { method: "POST", path: `${path}/tessellate`, json: { mesh: `${description.name}-mesh`, resolution: [128, 128] } };
+  return {
+    method: "POST",
+    path: `${path}/tessellate`,
+    json: { mesh: `${description.name}-mesh`, resolution: [128, 128] },
+  };
 }
 
 /** `onMade` is told the request that made a mesh for the surface. */
-export async function loadSurface(api: Api, kind: Kind, name: string, onMade: (request: Request) => void): Promise<Surface> {
+export async function loadSurface(
+  api: Api,
+  kind: Kind,
+  name: string,
+  onMade: (request: Request) => void,
+): Promise<Surface> {
   const description = await api.get<Mesh | Subdivision | Nurbs>(pathOf(kind, name));
   const making = discretization(kind, description);
   const mesh = making ? await discretized(api, making) : (description as Mesh);
@@ -54,7 +63,7 @@ export async function loadSurface(api: Api, kind: Kind, name: string, onMade: (r
 /** The names of all surfaces of a kind. */
 export async function namesOf(api: Api, kind: Kind): Promise<string[]> {
   const names: string[] = [];
-  for (let after: string | null = ""; after !== null; ) {
+  for (let after: string | null = ""; after !== null;) {
     const page: Record<string, unknown> = await api.get(`/v1/${kind}`, { limit: "1000", ...(after && { after }) });
     names.push(...(page[kind] as { name: string }[]).map((surface) => surface.name));
     after = page.next as string | null;

@@ -8,9 +8,15 @@ export class ModePicker {
   private readonly inputs: HTMLInputElement[];
 
   constructor(private readonly app: App) {
-    this.inputs = app.modes.map((mode) => make("input", { type: "radio", name: "mode", value: mode.id, change: () => void app.choose(mode) }));
-    const labels = app.modes.map((mode, i) => make("label", { class: "chip" }, this.inputs[i]!, make("span", {}, mode.title)));
-    byId("modes").append(make("fieldset", { class: "row" }, make("legend", { class: "unseen" }, "What to ask for"), ...labels));
+    this.inputs = app.modes.map((mode) =>
+      make("input", { type: "radio", name: "mode", value: mode.id, change: () => void app.choose(mode) }),
+    );
+    const labels = app.modes.map((mode, i) =>
+      make("label", { class: "chip" }, this.inputs[i]!, make("span", {}, mode.title)),
+    );
+    byId("modes").append(
+      make("fieldset", { class: "row" }, make("legend", { class: "unseen" }, "What to ask for"), ...labels),
+    );
     app.watchers.push(() => this.show());
   }
 

@@ -8,7 +8,10 @@ export interface Place {
   barycentric: Vec3;
   /** In the file's unit. */
   xyz: Vec3;
-  /** The daemon knows the faces of this surface otherwise than its file tells them, so the point is told by its coordinates. */
+  /**
+   * The daemon knows the faces of this surface otherwise than its file tells them, so the point is told by its
+   * coordinates.
+   */
   isFree?: boolean;
 }
 
@@ -21,7 +24,8 @@ export function rounded(barycentric: Vec3): Vec3 {
 export const pointOf = ({ face, barycentric, xyz, isFree }: Place): Point => (isFree ? { xyz } : { face, barycentric });
 
 /** As in the query string of the API: `f:34:0.2,0.3,0.5`. */
-export const compactOf = ({ face, barycentric, xyz, isFree }: Place): string => (isFree ? `p:${xyz.join(",")}` : `f:${face}:${barycentric.join(",")}`);
+export const compactOf = ({ face, barycentric, xyz, isFree }: Place): string =>
+  isFree ? `p:${xyz.join(",")}` : `f:${face}:${barycentric.join(",")}`;
 
 /** What the daemon says of a point. */
 export function placeOf(answer: PointAnswer, isFree: boolean): Place {

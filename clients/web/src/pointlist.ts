@@ -11,8 +11,14 @@ export class PointList {
 
   constructor(private readonly app: App) {
     const { points } = app;
-    const hint = "A point is v:12 (a vertex), e:3-9:0.25 (on an edge), f:34:0.2,0.3,0.5 (in a face) or p:1,2,3 (the nearest point of the surface).";
-    byId("points").append(make("p", { class: "faint" }, hint), this.body, button("Remove all points", () => points.clear()));
+    const hint =
+      "A point is v:12 (a vertex), e:3-9:0.25 (on an edge), f:34:0.2,0.3,0.5 (in a face) or p:1,2,3 " +
+      "(the nearest point of the surface).";
+    byId("points").append(
+      make("p", { class: "faint" }, hint),
+      this.body,
+      button("Remove all points", () => points.clear()),
+    );
     app.watchers.push(() => this.show());
     byId("points").addEventListener("toggle", () => this.show());
   }
@@ -27,13 +33,27 @@ export class PointList {
     const { points } = this.app;
     const group = points.groups[g]!;
     const marks = points.all.filter((mark) => mark.group === group);
-    const rows = marks.map((mark) => this.row(points.labelOf(mark), compactOf(mark.place), (text) => this.move(mark, text), () => points.remove(mark)));
+    const rows = marks.map((mark) =>
+      this.row(
+        points.labelOf(mark),
+        compactOf(mark.place),
+        (text) => this.move(mark, text),
+        () => points.remove(mark),
+      ),
+    );
     if (marks.length < group.most) rows.push(this.row(`${group.label}, a new one`, "", (text) => this.add(g, text)));
     return rows;
   }
 
   private row(label: string, value: string, take: (text: string) => Promise<void>, remove?: () => void): HTMLElement {
-    const input = make("input", { type: "text", value, "aria-label": label, spellcheck: "false", autocomplete: "off", placeholder: "v:12" });
+    const input = make("input", {
+      type: "text",
+      value,
+      "aria-label": label,
+      spellcheck: "false",
+      autocomplete: "off",
+      placeholder: "v:12",
+    });
     input.addEventListener("change", () => {
       input.blur();
       if (input.value) void take(input.value).then(() => this.show());
@@ -46,7 +66,10 @@ export class PointList {
   private async place(text: string): Promise<Mark["place"] | null> {
     const { api, answer, bench } = this.app;
     try {
-      return placeOf(await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }), bench.surface!.isRenumbered);
+      return placeOf(
+        await api.get<PointAnswer>(`${bench.surface!.meshPath}/nearest`, { point: text }),
+        bench.surface!.isRenumbered,
+      );
     } catch (error) {
       answer.fail(error);
       return null;

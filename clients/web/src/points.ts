@@ -67,7 +67,10 @@ export class Points {
     if (next >= 0) this.active = next;
   }
 
-  /** A click on the surface. Where every group is full and none has more than one point, all begin anew; else the active one does. */
+  /**
+   * A click on the surface. Where every group is full and none has more than one point, all begin anew; else the active
+   * one does.
+   */
   add(place: Place): Mark {
     this.advance();
     if (this.isFull(this.active)) this.restart();

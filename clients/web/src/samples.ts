@@ -28,7 +28,18 @@ function grid(place: Place, columns: number, rows: number, closed: boolean): str
   for (let j = 0; j < rows; j++) {
     for (let i = 0; i < columns; i++) {
       const [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-      lines.push(...((i + j) % 2 ? [[a, b, c], [a, c, d]] : [[a, b, d], [b, c, d]]).map(faceLine));
+      lines.push(
+        ...((i + j) % 2
+          ? [
+              [a, b, c],
+              [a, c, d],
+            ]
+          : [
+              [a, b, d],
+              [b, c, d],
+            ]
+        ).map(faceLine),
+      );
     }
   }
   return `${lines.join("\n")}\n`;
@@ -49,16 +60,54 @@ const HILLS = [
 ] as const;
 
 const terrain: Place = (u, v) => {
-  const hills = HILLS.reduce((sum, [x, y, width, height]) => sum + height * Math.exp(-((u - x) ** 2 + (v - y) ** 2) / (2 * width ** 2)), 0);
-  const ripples = 0.16 * Math.sin(19 * u + 5 * v) * Math.cos(17 * v - 3 * u) + 0.05 * Math.sin(47 * u) * Math.sin(43 * v);
+  const hills = HILLS.reduce(
+    (sum, [x, y, width, height]) => sum + height * Math.exp(-((u - x) ** 2 + (v - y) ** 2) / (2 * width ** 2)),
+    0,
+  );
+  const ripples =
+    0.16 * Math.sin(19 * u + 5 * v) * Math.cos(17 * v - 3 * u) + 0.05 * Math.sin(47 * u) * Math.sin(43 * v);
   return [10 * (u - 0.5), 10 * (v - 0.5), hills + ripples];
 };
 
 /** An icosahedron cut n times, its vertices put on the unit sphere. */
 function icosphere(times: number): string {
   const g = (1 + Math.sqrt(5)) / 2;
-  const vertices = [[-1, g, 0], [1, g, 0], [-1, -g, 0], [1, -g, 0], [0, -1, g], [0, 1, g], [0, -1, -g], [0, 1, -g], [g, 0, -1], [g, 0, 1], [-g, 0, -1], [-g, 0, 1]];
-  let faces = [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]];
+  const vertices = [
+    [-1, g, 0],
+    [1, g, 0],
+    [-1, -g, 0],
+    [1, -g, 0],
+    [0, -1, g],
+    [0, 1, g],
+    [0, -1, -g],
+    [0, 1, -g],
+    [g, 0, -1],
+    [g, 0, 1],
+    [-g, 0, -1],
+    [-g, 0, 1],
+  ];
+  let faces = [
+    [0, 11, 5],
+    [0, 5, 1],
+    [0, 1, 7],
+    [0, 7, 10],
+    [0, 10, 11],
+    [1, 5, 9],
+    [5, 11, 4],
+    [11, 10, 2],
+    [10, 7, 6],
+    [7, 1, 8],
+    [3, 9, 4],
+    [3, 4, 2],
+    [3, 2, 6],
+    [3, 6, 8],
+    [3, 8, 9],
+    [4, 9, 5],
+    [2, 4, 11],
+    [6, 2, 10],
+    [8, 6, 7],
+    [9, 8, 1],
+  ];
   for (let i = 0; i < times; i++) faces = cut(vertices, faces);
   const onSphere = vertices.map((p) => p.map((x) => x / Math.hypot(...p)));
   return `${[...onSphere.map(vertexLine), ...faces.map(faceLine)].join("\n")}\n`;
@@ -79,7 +128,12 @@ function cut(vertices: number[][], faces: number[][]): number[][] {
   return faces.flatMap((face) => {
     const [a, b, c] = face as [number, number, number];
     const [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-    return [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]];
+    return [
+      [a, ab, ca],
+      [b, bc, ab],
+      [c, ca, bc],
+      [ab, bc, ca],
+    ];
   });
 }
 
@@ -93,11 +147,23 @@ function blocks(cells: [number, number, number][]): string {
     return corners.get(String(p))!;
   };
   for (const cell of cells) {
-    for (const [axis, side] of [[0, 0], [0, 1], [1, 0], [1, 1], [2, 0], [2, 1]] as const) {
+    for (const [axis, side] of [
+      [0, 0],
+      [0, 1],
+      [1, 0],
+      [1, 1],
+      [2, 0],
+      [2, 1],
+    ] as const) {
       const neighbour = cell.map((x, i) => (i === axis ? x + 2 * side - 1 : x));
       if (isFull.has(String(neighbour))) continue;
       const [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
-      const turn = [[0, 0], [1, 0], [1, 1], [0, 1]].map(([s, t]) => cell.map((x, i) => x + (i === axis ? side : i === b ? s! : i === c ? t! : 0)));
+      const turn = [
+        [0, 0],
+        [1, 0],
+        [1, 1],
+        [0, 1],
+      ].map(([s, t]) => cell.map((x, i) => x + (i === axis ? side : i === b ? s! : i === c ? t! : 0)));
       faces.push(faceLine((side ? turn : turn.reverse()).map(corner)));
     }
   }
@@ -105,7 +171,17 @@ function blocks(cells: [number, number, number][]): string {
 }
 
 /** A cage with a handle: eight cells in a ring, one on top. */
-const RING: [number, number, number][] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [2, 1, 0], [2, 2, 0], [1, 2, 0], [0, 2, 0], [0, 1, 0], [0, 0, 1]];
+const RING: [number, number, number][] = [
+  [0, 0, 0],
+  [1, 0, 0],
+  [2, 0, 0],
+  [2, 1, 0],
+  [2, 2, 0],
+  [1, 2, 0],
+  [0, 2, 0],
+  [0, 1, 0],
+  [0, 0, 1],
+];
 
 /** A cubic patch of 6 x 6 control points, with a dent and a hill. */
 function patch(): string {
@@ -127,16 +203,32 @@ const vase = JSON.stringify({
     revolution: {
       degree: 3,
       knots: [0, 0, 0, 0, 1, 2, 3, 3, 3, 3],
-      control_points: [[1, 0], [2.1, 0.6], [1.9, 2], [0.5, 2.9], [0.7, 3.7], [1.2, 4.2]],
+      control_points: [
+        [1, 0],
+        [2.1, 0.6],
+        [1.9, 2],
+        [0.5, 2.9],
+        [0.7, 3.7],
+        [1.2, 4.2],
+      ],
     },
   },
 });
 
-const obj = (name: string, text: () => string) => (): { name: string; text: string } => ({ name: `${name}.obj`, text: text() });
+const obj = (name: string, text: () => string) => (): { name: string; text: string } => ({
+  name: `${name}.obj`,
+  text: text(),
+});
 
 export const SAMPLES: Sample[] = [
   { name: "torus", title: "Torus", kind: "meshes", up: "z", file: obj("torus", () => grid(torus, 120, 60, true)) },
-  { name: "terrain", title: "Terrain", kind: "meshes", up: "z", file: obj("terrain", () => grid(terrain, 160, 160, false)) },
+  {
+    name: "terrain",
+    title: "Terrain",
+    kind: "meshes",
+    up: "z",
+    file: obj("terrain", () => grid(terrain, 160, 160, false)),
+  },
   { name: "icosphere", title: "Icosphere", kind: "meshes", up: "y", file: obj("icosphere", () => icosphere(4)) },
   { name: "cage", title: "Control cage", kind: "subdivisions", up: "z", file: obj("cage", () => blocks(RING)) },
   { name: "cube", title: "Cube cage", kind: "subdivisions", up: "y", file: obj("cube", () => blocks([[0, 0, 0]])) },

@@ -1,6 +1,17 @@
-// The picture: camera, light, the surface's skin and the lines on it. A frame is drawn when something has changed, never else.
+// The picture: camera, light, the surface's skin and the lines on it. A frame is drawn when something has changed,
+// never else.
 
-import { Color, DirectionalLight, Group, HemisphereLight, LinearSRGBColorSpace, PerspectiveCamera, Scene as ThreeScene, Vector3, WebGLRenderer } from "three";
+import {
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  LinearSRGBColorSpace,
+  PerspectiveCamera,
+  Scene as ThreeScene,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Backdrop } from "./backdrop.ts";
 import { Lines } from "./lines.ts";
@@ -86,7 +97,10 @@ export class Scene {
 
   /** The colour behind the surface. */
   setGround(colour: string): void {
-    this.ground.background = new Color().setStyle(colour, LinearSRGBColorSpace); /* as it is: the backdrop stores what screens take */
+    this.ground.background = new Color().setStyle(
+      colour,
+      LinearSRGBColorSpace,
+    ); /* as it is: the backdrop stores what screens take */
     this.redraw();
   }
 
@@ -215,7 +229,9 @@ export class Scene {
   /** The ray through a pixel, in the frame. */
   private ray(pixel: Pixel): { origin: Vec3; direction: Vec3 } {
     this.camera.updateMatrixWorld();
-    const far = new Vector3((2 * pixel.x) / this.size.x - 1, 1 - (2 * pixel.y) / this.size.y, 0.5).unproject(this.camera);
+    const far = new Vector3((2 * pixel.x) / this.size.x - 1, 1 - (2 * pixel.y) / this.size.y, 0.5).unproject(
+      this.camera,
+    );
     const origin = this.camera.position.toArray() as Vec3;
     return { origin, direction: unit(subtract(far.toArray() as Vec3, origin)) };
   }

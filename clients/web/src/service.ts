@@ -21,7 +21,9 @@ const CLASSES: [string, string][] = [
 /** The samples of a text for Prometheus by name and labels. */
 function parse(text: string): Map<string, number> {
   const lines = text.split("\n").filter((line) => line && !line.startsWith("#"));
-  return new Map(lines.map((line) => [line.slice(0, line.lastIndexOf(" ")), Number(line.slice(line.lastIndexOf(" ") + 1))]));
+  return new Map(
+    lines.map((line) => [line.slice(0, line.lastIndexOf(" ")), Number(line.slice(line.lastIndexOf(" ") + 1))]),
+  );
 }
 
 export class ServicePanel {
@@ -48,7 +50,9 @@ export class ServicePanel {
 
   private show(service: Service, samples: Map<string, number>): void {
     const of = (name: string): number => samples.get(`geodesicd_${name}`) ?? 0;
-    const held = CLASSES.map(([name, label]) => ({ label, size: of(`memory_bytes{class="${name}"}`) })).filter(({ size }) => size > 0);
+    const held = CLASSES.map(([name, label]) => ({ label, size: of(`memory_bytes{class="${name}"}`) })).filter(
+      ({ size }) => size > 0,
+    );
     const total = held.reduce((sum, { size }) => sum + size, 0);
     const budget = service.limits.memory_budget_bytes;
     const meter = make("meter", { min: 0, max: budget, value: total, "aria-label": "Memory in use" });
@@ -64,7 +68,12 @@ export class ServicePanel {
     const [hits, misses] = [of("cache_hits_total"), of("cache_misses_total")];
     return [
       ["Fields in the cache", whole(of("cache_fields"))],
-      ["Found in the cache", hits + misses ? `${number((100 * hits) / (hits + misses), 3)} % of ${whole(hits + misses)}` : "nothing asked yet"],
+      [
+        "Found in the cache",
+        hits + misses
+          ? `${number((100 * hits) / (hits + misses), 3)} % of ${whole(hits + misses)}`
+          : "nothing asked yet",
+      ],
       ["Evicted", whole(of("cache_evictions_total"))],
       ["Pairs searched", whole(of("searches_total"))],
       ["Workers busy", `${of("workers_busy")} of ${service.limits.workers}, ${of("queue_depth")} waiting`],

@@ -34,7 +34,14 @@ interface Choice extends Conditional {
 
 export type Setting = Range | Check | Choice;
 
-export const range = (label: string, value: number, min: number, max: number, step: number, format?: Range["format"]): Range => ({
+export const range = (
+  label: string,
+  value: number,
+  min: number,
+  max: number,
+  step: number,
+  format?: Range["format"],
+): Range => ({
   kind: "range",
   label,
   value,
@@ -51,7 +58,10 @@ export const choice = (label: string, value: string, options: [string, string][]
   options,
 });
 
-export const only = <S extends Setting>(name: string, values: string[], setting: S): S => ({ ...setting, while: { name, values } });
+export const only = <S extends Setting>(name: string, values: string[], setting: S): S => ({
+  ...setting,
+  while: { name, values },
+});
 
 export class Settings {
   /** `live` while a slider is being moved. */

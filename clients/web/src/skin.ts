@@ -28,11 +28,17 @@ varying float vValue;
 #include <common>`;
 const RAMP_COLOUR = `
 #include <color_fragment>
-if (vValue >= 0.0) diffuseColor.rgb = texture2D(ramp, vec2(vValue * ${((RAMP_SIZE - 1) / RAMP_SIZE).toFixed(6)} + ${(0.5 / RAMP_SIZE).toFixed(6)}, 0.5)).rgb;`;
+if (vValue >= 0.0) {
+  float texel = (vValue * ${RAMP_SIZE - 1}.0 + 0.5) / ${RAMP_SIZE}.0;
+  diffuseColor.rgb = texture2D(ramp, vec2(texel, 0.5)).rgb;
+}`;
 
 /** Colours are stored as screens take them, in the backdrop too. */
 function encode(shader: { fragmentShader: string }): void {
-  shader.fragmentShader = shader.fragmentShader.replace("#include <colorspace_fragment>", "gl_FragColor = sRGBTransferOETF(gl_FragColor);");
+  shader.fragmentShader = shader.fragmentShader.replace(
+    "#include <colorspace_fragment>",
+    "gl_FragColor = sRGBTransferOETF(gl_FragColor);",
+  );
 }
 
 function rampTexture(name: string): DataTexture {
@@ -144,7 +150,10 @@ export class Skin {
     const array = new Uint8ClampedArray(3 * labels.length);
     labels.forEach((label, i) => {
       const rgb = label === null ? plain : (colours[label] ?? plain);
-      array.set(rgb.map((c) => Math.round(255 * toLinear(c))), 3 * i);
+      array.set(
+        rgb.map((c) => Math.round(255 * toLinear(c))),
+        3 * i,
+      );
     });
     this.mesh.geometry.setAttribute("color", new BufferAttribute(array, 3, true));
     this.useVertexColours(true);

@@ -22,4 +22,5 @@ export class State {
 }
 
 /** Only what would end a parameter is escaped, so that people can read the link. */
-const encoded = (value: string): string => value.replace(/[%&#+ "<>]/g, (c) => `%${c.charCodeAt(0).toString(16).padStart(2, "0")}`);
+const encoded = (value: string): string =>
+  value.replace(/[%&#+ "<>]/g, (c) => `%${c.charCodeAt(0).toString(16).padStart(2, "0")}`);

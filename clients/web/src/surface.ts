@@ -17,7 +17,10 @@ class Frame {
   ) {}
 
   static of(positions: Float64Array, faces: Uint32Array): Frame {
-    const [low, high]: [Vec3, Vec3] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    const [low, high]: [Vec3, Vec3] = [
+      [Infinity, Infinity, Infinity],
+      [-Infinity, -Infinity, -Infinity],
+    ];
     for (const vertex of faces) {
       for (let axis = 0; axis < 3; axis++) {
         const x = positions[3 * vertex + axis]!;
@@ -32,11 +35,6 @@ class Frame {
   toView(p: Vec3): Vec3 {
     const { centre, radius } = this;
     return [(p[0] - centre[0]) / radius, (p[1] - centre[1]) / radius, (p[2] - centre[2]) / radius];
-  }
-
-  fromView(p: Vec3): Vec3 {
-    const { centre, radius } = this;
-    return [p[0] * radius + centre[0], p[1] * radius + centre[1], p[2] * radius + centre[2]];
   }
 }
 
@@ -109,8 +107,10 @@ export class Surface {
     return { face, barycentric, xyz: [along(0), along(1), along(2)], isFree: this.isRenumbered };
   }
 
-  /** Whether the daemon knows faces otherwise than its files tell them: a repair leaves gaps in its numbers, and it counts the corners of a face that it has
-   * turned over as they were uploaded. */
+  /**
+   * Whether the daemon knows faces otherwise than its files tell them: a repair leaves gaps in its numbers, and it counts
+   * the corners of a face that it has turned over as they were uploaded.
+   */
   get isRenumbered(): boolean {
     const { duplicate_faces: doubles, degenerate_faces: flat, edges_flipped: flipped } = this.mesh.repair;
     return doubles + flat + flipped + this.mesh.orientation.flipped_faces > 0;

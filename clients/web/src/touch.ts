@@ -13,7 +13,10 @@ export class Touch {
     private readonly onClick: (pixel: Pixel) => void,
   ) {
     const { canvas } = scene;
-    canvas.addEventListener("pointerdown", (event) => (this.down = event.isPrimary && event.button === 0 ? pixelOf(event) : null));
+    canvas.addEventListener(
+      "pointerdown",
+      (event) => (this.down = event.isPrimary && event.button === 0 ? pixelOf(event) : null),
+    );
     canvas.addEventListener("pointerup", (event) => this.up(event));
     canvas.addEventListener("keydown", (event) => this.key(event));
   }

@@ -37,7 +37,11 @@ export class Units {
 /** So many significant digits; powers of ten only where the plain form would be long. */
 export function number(value: number, digits = 6): string {
   const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(digits - 1).replace("e-", "e−").replace("e+", "e");
+  if (size !== 0 && (size < 1e-4 || size >= 1e9))
+    return value
+      .toExponential(digits - 1)
+      .replace("e-", "e−")
+      .replace("e+", "e");
   return value.toLocaleString("en", { maximumSignificantDigits: digits }).replace("-", "−").replaceAll(",", "\u202f");
 }
 

@@ -8,10 +8,10 @@ import type { Kind } from "./surface.ts";
 export type Description = Mesh | Subdivision | Nurbs;
 
 /** How far: 0 to 1 of the bytes, then of the work. */
-export type OnUpload = (what: "Sending" | "Reading", part: number) => void;
+type OnUpload = (what: "Sending" | "Reading", part: number) => void;
 
 /** A name that the API takes: the file's, without its ending and other characters. */
-export function nameOf(file: string): string {
+function nameOf(file: string): string {
   const stem = file.replace(/\.[^.]*$/, "").replace(/[^A-Za-z0-9._-]/g, "-");
   return (/^[A-Za-z0-9_-]/.test(stem) ? stem : `mesh${stem}`).slice(0, 100);
 }

@@ -6,7 +6,13 @@ import type { Points } from "../points.ts";
 /** A choice with a label for each group, in their order. */
 export function activeChoice(points: Points, labels: string[]): HTMLElement {
   const inputs = labels.map((_, g) =>
-    make("input", { type: "radio", name: "active", value: g, checked: g === points.active, change: () => (points.active = g) }),
+    make("input", {
+      type: "radio",
+      name: "active",
+      value: g,
+      checked: g === points.active,
+      change: () => (points.active = g),
+    }),
   );
   const rows = labels.map((label, g) => make("label", { class: "check" }, inputs[g]!, label));
   return make("fieldset", {}, make("legend", { class: "unseen" }, "What clicks set"), ...rows);

@@ -57,9 +57,20 @@ export class CurvesMode extends Mode {
     const { answer, units } = this.bench;
     const none = "no path: they lie on different components";
     const value = (distance?: number | null): string => (distance == null ? none : units.length(distance, 9));
-    const facts: Fact[] = [{ label: "Distance", value: value(found.distance), main: true, title: String(found.distance) }];
-    if (found.farthest) facts.push({ label: "From A to B", value: value(found.a_to_b) }, { label: "From B to A", value: value(found.b_to_a) });
-    facts.push(...angles(found.closest), { label: "Length of A", value: units.length(a!) }, { label: "Length of B", value: units.length(b!) }, this.time);
+    const facts: Fact[] = [
+      { label: "Distance", value: value(found.distance), main: true, title: String(found.distance) },
+    ];
+    if (found.farthest)
+      facts.push(
+        { label: "From A to B", value: value(found.a_to_b) },
+        { label: "From B to A", value: value(found.b_to_a) },
+      );
+    facts.push(
+      ...angles(found.closest),
+      { label: "Length of A", value: units.length(a!) },
+      { label: "Length of B", value: units.length(b!) },
+      this.time,
+    );
     answer.show(facts);
   }
 }

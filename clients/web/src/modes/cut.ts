@@ -17,7 +17,8 @@ const FORMATS = ["obj", "ply", "stl"];
 export class CutMode extends Mode {
   readonly id = "cut";
   readonly title = "Cut";
-  readonly hint = "Click the points of a closed curve (or of an open one, whose ends go to the boundary), then cut along it.";
+  readonly hint =
+    "Click the points of a closed curve (or of an open one, whose ends go to the boundary), then cut along it.";
   readonly groups = [{ id: "points", label: "Point", least: 2, first: 5, most: 60, colour: INK.second }];
   private readonly pieces = new Pieces(this.bench);
   private names: string[] = [];
@@ -32,7 +33,13 @@ export class CutMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [make("div", { class: "row extra" }, button("Cut", () => void this.cut(), { class: "main" }))];
+    return [
+      make(
+        "div",
+        { class: "row extra" },
+        button("Cut", () => void this.cut(), { class: "main" }),
+      ),
+    ];
   }
 
   private get curve(): Curve {
@@ -56,7 +63,11 @@ export class CutMode extends Mode {
     const { path } = await bench.post<CurveOperationAnswer>("curve", { curve: this.curve, operation: "length" }, XYZ);
     this.lines("curve", [pointsOf(path)], INK.path, 4);
     if (live) return;
-    const preview = await bench.post<CutAnswer>("cut", { curve: this.curve, select_only: true }, { fields: "separates,pieces" });
+    const preview = await bench.post<CutAnswer>(
+      "cut",
+      { curve: this.curve, select_only: true },
+      { fields: "separates,pieces" },
+    );
     this.names = this.freeNames(preview.pieces!.length);
     this.tell(preview, path!.length);
   }
@@ -65,7 +76,8 @@ export class CutMode extends Mode {
   private freeNames(count: number): string[] {
     const { surface, taken } = this.bench;
     const names: string[] = [];
-    for (let i = 1; names.length < count; i++) if (!taken.has(`${surface!.name}-${i}`)) names.push(`${surface!.name}-${i}`);
+    for (let i = 1; names.length < count; i++)
+      if (!taken.has(`${surface!.name}-${i}`)) names.push(`${surface!.name}-${i}`);
     return names;
   }
 
@@ -89,9 +101,15 @@ export class CutMode extends Mode {
     const curve = this.curve;
     await bench.question(async () => {
       const made = await bench.postLong<CutAnswer>("cut", { curve, names: this.names }, { fields: "separates,pieces" });
-      await this.pieces.show(made.pieces!.map((piece) => piece.name!), JSON.stringify(curve));
+      await this.pieces.show(
+        made.pieces!.map((piece) => piece.name!),
+        JSON.stringify(curve),
+      );
       this.pieces.pull(this.settings.number("apart"));
-      bench.answer.show([{ label: "Pieces", value: whole(made.pieces!.length), main: true }, this.time], make("ul", {}, ...made.pieces!.map((piece, i) => this.row(piece, i))));
+      bench.answer.show(
+        [{ label: "Pieces", value: whole(made.pieces!.length), main: true }, this.time],
+        make("ul", {}, ...made.pieces!.map((piece, i) => this.row(piece, i))),
+      );
     });
     bench.onMeshes();
     bench.points.onLook();
@@ -104,7 +122,11 @@ export class CutMode extends Mode {
     const name = piece.name!;
     const path = `/v1/meshes/${encodeURIComponent(name)}/content`;
     const files = FORMATS.map((format) =>
-      button(format.toUpperCase(), () => void download(bench, { method: "GET", path, query: { format } }, `${name}.${format}`), { "aria-label": `Download ${name} as ${format.toUpperCase()}` }),
+      button(
+        format.toUpperCase(),
+        () => void download(bench, { method: "GET", path, query: { format } }, `${name}.${format}`),
+        { "aria-label": `Download ${name} as ${format.toUpperCase()}` },
+      ),
     );
     const about = `${name}: ${whole(piece.faces!)} faces, ${bench.units.area(piece.area!)}`;
     return make("li", { class: "piece" }, make("p", {}, swatch, about), make("div", { class: "row" }, ...files));

@@ -11,7 +11,9 @@ const LIVE_FACES = 30000; /* up to which a field follows the mouse */
 
 /** A vertex' distance each, NaN where there is none. */
 export async function valuesOf(mode: Pick<FieldCaller, "get">, id: string): Promise<Float64Array> {
-  return new Float64Array(await (await mode.get(`fields/${id}/values`, undefined, "application/octet-stream")).arrayBuffer());
+  return new Float64Array(
+    await (await mode.get(`fields/${id}/values`, undefined, "application/octet-stream")).arrayBuffer(),
+  );
 }
 
 interface FieldCaller {
@@ -51,7 +53,8 @@ export class FieldMode extends Mode {
     const fine = live ? null : await bench.fineDistances(set);
     if (fine) this.showFine(field, fine.values);
     await this.showIsolines(field);
-    if (settings.on("farthest") && field.farthest) await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
+    if (settings.on("farthest") && field.farthest)
+      await this.showWay(source, placeOf(field.farthest, bench.surface!.isRenumbered));
     else bench.scene.lines.remove("way");
   }
 
@@ -66,7 +69,11 @@ export class FieldMode extends Mode {
       { label: "Farthest", value: units.length(max, 9), main: true, title: String(max) },
       { label: "Between two lines", value: count > 0 ? units.length(max / (count + 1)) : "no lines" },
       { label: "Wedges", value: whole(field.wedges!) },
-      { label: "Computed in", value: milliseconds(field.build_ms!), title: "When it was computed; it is kept since then" },
+      {
+        label: "Computed in",
+        value: milliseconds(field.build_ms!),
+        title: "When it was computed; it is kept since then",
+      },
       this.time,
     ]);
   }
@@ -85,7 +92,11 @@ export class FieldMode extends Mode {
   }
 
   private async showWay(from: Place, to: Place): Promise<void> {
-    const found = await this.bench.post<{ path: { points: Vec3[] } | null }>("path", { from: pointOf(from), to: pointOf(to) }, XYZ);
+    const found = await this.bench.post<{ path: { points: Vec3[] } | null }>(
+      "path",
+      { from: pointOf(from), to: pointOf(to) },
+      XYZ,
+    );
     this.lines("way", found.path ? [found.path.points] : [], INK.path, 4);
   }
 }

@@ -9,7 +9,14 @@ import type { Kind } from "../surface.ts";
 import { milliseconds } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 
-export const INK = { path: "#e4572e", first: "#0b7a75", second: "#b5179e", third: "#c77700", isoline: "#10202a", cage: "#5b6b75" };
+export const INK = {
+  path: "#e4572e",
+  first: "#0b7a75",
+  second: "#b5179e",
+  third: "#c77700",
+  isoline: "#10202a",
+  cage: "#5b6b75",
+};
 
 export abstract class Mode {
   /** In the URL. */
@@ -23,7 +30,10 @@ export abstract class Mode {
 
   constructor(protected readonly bench: Bench) {}
 
-  /** Asks about the points that are there (as many as the groups want at least) and shows the answer. While something is dragged it is `live`. */
+  /**
+   * Asks about the points that are there (as many as the groups want at least) and shows the answer. While something is
+   * dragged it is `live`.
+   */
   abstract ask(live: boolean): Promise<void>;
 
   /** Whether it may ask while something is dragged. */
@@ -60,7 +70,11 @@ export abstract class Mode {
   }
 
   protected get time(): Fact {
-    return { label: "Time", value: milliseconds(this.bench.elapsed), title: "From the request to the answer, as the page measures it" };
+    return {
+      label: "Time",
+      value: milliseconds(this.bench.elapsed),
+      title: "From the request to the answer, as the page measures it",
+    };
   }
 }
 

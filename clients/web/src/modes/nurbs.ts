@@ -1,6 +1,13 @@
 // A NURBS surface: its shortest paths between points and curves, and the same in the domain.
 
-import type { DomainCurve, EvaluateAnswer, FootAnswer, GeodesicAnswer, Nurbs, Place as Uv } from "../../../js/types.d.ts";
+import type {
+  DomainCurve,
+  EvaluateAnswer,
+  FootAnswer,
+  GeodesicAnswer,
+  Nurbs,
+  Place as Uv,
+} from "../../../js/types.d.ts";
 import { domainDrawing } from "../domain.ts";
 import { make } from "../dom.ts";
 import type { Place } from "../place.ts";
@@ -57,7 +64,9 @@ export class NurbsMode extends Mode {
   override enter(): void {
     this.net = [];
     const surface = this.bench.surface!;
-    const lines = [0, 1].flatMap((axis) => Array.from({ length: NET + 1 }, (_, i) => this.line(axis as 0 | 1, i / NET)));
+    const lines = [0, 1].flatMap((axis) =>
+      Array.from({ length: NET + 1 }, (_, i) => this.line(axis as 0 | 1, i / NET)),
+    );
     void this.evaluate(lines).then((net) => {
       if (this.bench.surface !== surface) return;
       this.net = net;
@@ -105,7 +114,10 @@ export class NurbsMode extends Mode {
     const drawn = await this.evaluate(curves.map(({ line }) => line));
     if (bench.aborted) return;
     drawn.forEach((line, i) => this.lines(`curve${i}`, [line], i + 2 === drawn.length ? INK.first : INK.second, 3.5));
-    this.show(found, curves.map(({ line }) => line));
+    this.show(
+      found,
+      curves.map(({ line }) => line),
+    );
   }
 
   private async search(what: string, options: object): Promise<GeodesicAnswer> {
@@ -113,17 +125,26 @@ export class NurbsMode extends Mode {
     const [from, to] = [bench.points.of("from")[0]!, bench.points.of("to")[0]!];
     bench.scene.lines.remove("curve0");
     bench.scene.lines.remove("curve1");
-    if (what === "curves") return bench.post("curve-distance", { a: this.curve("a").curve, b: this.curve("b").curve, ...options });
+    if (what === "curves")
+      return bench.post("curve-distance", { a: this.curve("a").curve, b: this.curve("b").curve, ...options });
     const start = await this.locate(from);
-    if (what === "point-curve") return bench.post("point-curve-distance", { point: start, curve: this.curve("b").curve, ...options });
+    if (what === "point-curve")
+      return bench.post("point-curve-distance", { point: start, curve: this.curve("b").curve, ...options });
     return bench.post("geodesic", { from: start, to: await this.locate(to), ...options });
   }
 
   private show(found: GeodesicAnswer, curves: Uv[][]): void {
     const { answer, units } = this.bench;
-    const places = (minimum: GeodesicAnswer): { uv: Uv; xyz: Vec3 }[] => (minimum.points ?? []) as { uv: Uv; xyz: Vec3 }[];
+    const places = (minimum: GeodesicAnswer): { uv: Uv; xyz: Vec3 }[] =>
+      (minimum.points ?? []) as { uv: Uv; xyz: Vec3 }[];
     const longer = (found.minima ?? []).slice(1);
-    this.lines("longer", longer.map((minimum) => places(minimum).map(({ xyz }) => xyz)), INK.third, 2, 0.3);
+    this.lines(
+      "longer",
+      longer.map((minimum) => places(minimum).map(({ xyz }) => xyz)),
+      INK.third,
+      2,
+      0.3,
+    );
     this.lines("path", [places(found).map(({ xyz }) => xyz)], INK.path, 4);
     this.showNet();
     const drawing = domainDrawing(this.nurbs, [
@@ -137,11 +158,25 @@ export class NurbsMode extends Mode {
         { label: "Length", value: units.length(found.length!, 10), main: true, title: String(found.length) },
         { label: "Error, estimated", value: units.length(found.error_estimate!, 2) },
         { label: "A local minimum", value: found.is_minimum ? "proved" : "not proved" },
-        ...(found.minima ? [{ label: "Longer minima", value: longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none" }] : []),
-        ...(found.warnings?.length ? [{ label: "Mind", value: found.warnings.map((warning) => WARNINGS[warning]).join("; ") }] : []),
+        ...(found.minima
+          ? [
+              {
+                label: "Longer minima",
+                value: longer.map((minimum) => units.length(minimum.length!, 6)).join(", ") || "none",
+              },
+            ]
+          : []),
+        ...(found.warnings?.length
+          ? [{ label: "Mind", value: found.warnings.map((warning) => WARNINGS[warning]).join("; ") }]
+          : []),
         this.time,
       ],
-      make("figure", {}, drawing, make("figcaption", { class: "faint" }, "The domain: the path, and its control polygon dashed")),
+      make(
+        "figure",
+        {},
+        drawing,
+        make("figcaption", { class: "faint" }, "The domain: the path, and its control polygon dashed"),
+      ),
     );
   }
 }

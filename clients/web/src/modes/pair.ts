@@ -19,10 +19,13 @@ export class PairMode extends Mode {
     const { points, units, answer } = this.bench;
     const [from, to] = [points.of("from")[0]!, points.of("to")[0]!];
     const body = { from: pointOf(from), to: pointOf(to) };
-    const found = await (live ? this.bench.post<PathAnswer>("path", body, XYZ) : this.bench.postLong<PathAnswer>("path", body, XYZ, JOB_FACES));
+    const found = await (live
+      ? this.bench.post<PathAnswer>("path", body, XYZ)
+      : this.bench.postLong<PathAnswer>("path", body, XYZ, JOB_FACES));
     const line = pointsOf(found.path);
     this.lines("path", [line], INK.path, 4);
-    if (found.distance === null) return answer.show([{ label: "Distance", value: "no path: the points lie on different components", main: true }]);
+    if (found.distance === null)
+      return answer.show([{ label: "Distance", value: "no path: the points lie on different components", main: true }]);
     const straight = Math.hypot(...from.xyz.map((x, axis) => x - to.xyz[axis]!));
     answer.show([
       { label: "Distance", value: units.length(found.distance!, 10), main: true, title: String(found.distance) },

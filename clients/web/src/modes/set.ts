@@ -1,4 +1,5 @@
-// Many points, each with what is nearest to it: Voronoi cells, exact lines between them, distances to the set; and points that cover the surface evenly.
+// Many points, each with what is nearest to it: Voronoi cells, exact lines between them, distances to the set; and
+// points that cover the surface evenly.
 
 import type { Field, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
@@ -16,7 +17,8 @@ const PLAIN: Rgb = [0.75, 0.77, 0.78];
 export class SetMode extends Mode {
   readonly id = "set";
   readonly title = "Set and Voronoi";
-  readonly hint = "Click points. Each part of the surface has the colour of the nearest one; the lines between are exact.";
+  readonly hint =
+    "Click points. Each part of the surface has the colour of the nearest one; the lines between are exact.";
   readonly groups = [{ id: "points", label: "Point", least: 1, first: 6, most: 200, colour: INK.first }];
   override settings = new Settings({
     colour: choice("Colours show", "cells", [
@@ -33,7 +35,13 @@ export class SetMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [make("div", { class: "row extra" }, button("Spread points evenly", () => void this.spread()))];
+    return [
+      make(
+        "div",
+        { class: "row extra" },
+        button("Spread points evenly", () => void this.spread()),
+      ),
+    ];
   }
 
   /** Farthest-point sampling from the first point that is there. */
@@ -43,7 +51,10 @@ export class SetMode extends Mode {
     const done = await bench.question(async () => {
       const body = { count: settings.number("count"), ...(start && { start: pointOf(start) }) };
       const answer = await bench.postLong<SamplingAnswer>("farthest-points", body);
-      bench.points.set("points", answer.points!.map((point) => placeOf(point as PointAnswer, bench.surface!.isRenumbered)));
+      bench.points.set(
+        "points",
+        answer.points!.map((point) => placeOf(point as PointAnswer, bench.surface!.isRenumbered)),
+      );
     });
     if (done) bench.points.onChange(false);
   }
@@ -91,6 +102,8 @@ export class SetMode extends Mode {
     const { scene, legend, display, units } = this.bench;
     if (fine) scene.skin!.showFineValues(fine, field.max!);
     else scene.skin!.showValues(values, field.max!);
-    legend.showRamp(`Distance to the nearest point, ${units.name}`, display.ramp, field.max!, (value) => units.bare(value, 3));
+    legend.showRamp(`Distance to the nearest point, ${units.name}`, display.ramp, field.max!, (value) =>
+      units.bare(value, 3),
+    );
   }
 }

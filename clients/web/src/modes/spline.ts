@@ -52,8 +52,16 @@ export class SplineMode extends Mode {
     const jump = Math.max(0, ...found.joints!.map((joint) => joint.angle_jump));
     const clipped = found.segments!.filter((segment) => segment.clipped).length;
     bench.answer.show([
-      { label: "Length", value: bench.units.length(found.path!.length, 9), main: true, title: String(found.path!.length) },
-      { label: "Segments", value: whole(found.segments!.length) + (clipped ? `, ${clipped} clipped at the boundary` : "") },
+      {
+        label: "Length",
+        value: bench.units.length(found.path!.length, 9),
+        main: true,
+        title: String(found.path!.length),
+      },
+      {
+        label: "Segments",
+        value: whole(found.segments!.length) + (clipped ? `, ${clipped} clipped at the boundary` : ""),
+      },
       { label: "Largest angle at a joint", value: degrees(jump) },
       { label: "Points of the path", value: whole(found.path!.points!.length) },
       this.time,

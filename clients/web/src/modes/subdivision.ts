@@ -1,6 +1,13 @@
-// A subdivision surface (Catmull-Clark, Loop): shortest paths and geodesics on the limit surface, under its control mesh.
+// A subdivision surface (Catmull-Clark, Loop): shortest paths and geodesics on the limit surface, under its control
+// mesh.
 
-import type { LimitFootAnswer, LimitPairAnswer, LimitPlace, LimitTraceAnswer, LimitTraceRequest } from "../../../js/types.d.ts";
+import type {
+  LimitFootAnswer,
+  LimitPairAnswer,
+  LimitPlace,
+  LimitTraceAnswer,
+  LimitTraceRequest,
+} from "../../../js/types.d.ts";
 import type { Fact } from "../answer.ts";
 import { cageEdges } from "../cages.ts";
 import { hexOf, memberColour } from "../colours.ts";
@@ -27,7 +34,11 @@ export class SubdivisionMode extends Mode {
       ["fan", "geodesics in all directions"],
     ]),
     fan: only("what", ["fan"], range("How many", 16, 2, 72, 1)),
-    length: only("what", ["trace", "fan"], range("Length", 1.5, 0.05, 10, 0.05, (value) => this.lengthText(value))),
+    length: only(
+      "what",
+      ["trace", "fan"],
+      range("Length", 1.5, 0.05, 10, 0.05, (value) => this.lengthText(value)),
+    ),
     smooth: only("what", ["trace", "fan"], check("On the surface itself (else on its discretization)", true)),
     cage: check("Control mesh", true),
   });
@@ -70,9 +81,17 @@ export class SubdivisionMode extends Mode {
     const { bench } = this;
     const found = await bench.post<LimitPairAnswer>("path", { from, to }, XYZ);
     this.show(found.path ? [found.path.points as Vec3[]] : []);
-    if (found.distance == null) return bench.answer.show([{ label: "Distance", value: "no path: the points lie on different components", main: true }]);
+    if (found.distance == null)
+      return bench.answer.show([
+        { label: "Distance", value: "no path: the points lie on different components", main: true },
+      ]);
     bench.answer.show([
-      { label: "Distance on the limit surface", value: bench.units.length(found.distance, 10), main: true, title: String(found.distance) },
+      {
+        label: "Distance on the limit surface",
+        value: bench.units.length(found.distance, 10),
+        main: true,
+        title: String(found.distance),
+      },
       { label: "Error, estimated", value: bench.units.length(found.error_estimate!, 2) },
       { label: "A geodesic of the surface", value: found.relaxed ? "yes" : "no, a path of the discretization" },
       { label: `Exact on level ${found.level}`, value: bench.units.length(found.mesh_distance!, 10) },
@@ -93,7 +112,12 @@ export class SubdivisionMode extends Mode {
     const total = paths!.reduce((sum, path) => sum + path.length, 0);
     const ends = [...new Set(paths!.map((path) => path.end_reason))].join(", ").replace("step_limit", "too many steps");
     const facts: Fact[] = [
-      { label: paths!.length > 1 ? "Length in all" : "Length", value: bench.units.length(total, 9), main: true, title: String(total) },
+      {
+        label: paths!.length > 1 ? "Length in all" : "Length",
+        value: bench.units.length(total, 9),
+        main: true,
+        title: String(total),
+      },
       { label: "Ends by", value: ends },
       this.time,
     ];
@@ -102,7 +126,14 @@ export class SubdivisionMode extends Mode {
 
   private show(paths: Vec3[][]): void {
     this.bench.scene.lines.clear();
-    paths.forEach((path, i) => this.lines(`path${i}`, [path], paths.length > 1 ? hexOf(memberColour(i, 0.6)) : INK.path, paths.length > 1 ? 2.5 : 4));
+    paths.forEach((path, i) =>
+      this.lines(
+        `path${i}`,
+        [path],
+        paths.length > 1 ? hexOf(memberColour(i, 0.6)) : INK.path,
+        paths.length > 1 ? 2.5 : 4,
+      ),
+    );
     this.showCage();
   }
 }

@@ -63,7 +63,12 @@ export class TraceMode extends Mode {
     const crossed = paths.reduce((sum, path) => sum + (path.points?.length ?? 0), 0);
     const reasons = [...new Set(paths.map((path) => REASONS[path.end_reason]!))];
     bench.answer.show([
-      { label: paths.length > 1 ? "Length in all" : "Length", value: bench.units.length(total, 9), main: true, title: String(total) },
+      {
+        label: paths.length > 1 ? "Length in all" : "Length",
+        value: bench.units.length(total, 9),
+        main: true,
+        title: String(total),
+      },
       { label: paths.length > 1 ? "They end" : "It ends", value: reasons.join(", or ") },
       { label: "Points", value: String(crossed) },
       this.time,
