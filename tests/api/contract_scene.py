@@ -45,7 +45,7 @@ class Scene:
     def __init__(self, daemon, contract, **headers):
         self.daemon, self.contract, self.headers = daemon, contract, headers
         self.by_name = {each.name: each for each in contract.operations}
-        self.field = self.job = ""
+        self.field = self.job = self.batch = ""
 
     def must(self, method, path, body=None, headers=None):
         answer = self.daemon.request(method, path, body, {**self.headers, **(headers or {})})
@@ -66,11 +66,13 @@ class Scene:
             self.must("POST", self.path(self.by_name[operation]), self.shown_body(operation), JSON)
         self.field = self.must("POST", self.path(self.by_name["create_field"]), FIELD, JSON).json["id"]
         self.job = self.finished_job()
+        self.daemon.request("DELETE", f"/v1/batches/{self.batch or 'none'}", headers=self.headers)  # there may be a thousand at most
+        self.batch = self.end_of_job(self.must("POST", "/v1/batches", self.shown_body("create_batch"), JSON))
         return self
 
     def pretend(self):
         """Of a daemon that was started again: it has the surfaces, and forgot the rest."""
-        self.field, self.job = "0" * 32, "0" * 24
+        self.field, self.job, self.batch = "0" * 32, "0" * 24, "0" * 24
         return self
 
     def start_job(self, target, document):
@@ -81,7 +83,7 @@ class Scene:
         return self.end_of_job(self.must("POST", target, self.shown_body("post_distance"), {**JSON, "Prefer": "respond-async"}))
 
     def end_of_job(self, accepted):
-        """The job's id, once it has ended."""
+        """The job's id, or the batch's, once it has ended."""
         until = time.monotonic() + PATIENCE_SECONDS
         while (job := self.must("GET", accepted.headers["Location"]).json)["state"] in ("queued", "running"):
             assert time.monotonic() < until, job
@@ -94,7 +96,7 @@ class Scene:
             if parameter["in"] != "path":
                 continue
             name = parameter["name"]
-            value = {"id": self.field, "job": self.job}.get(name) or MESH_OF.get(operation.name) or parameter["example"]
+            value = {"id": self.field, "job": self.job, "batch": self.batch}.get(name) or MESH_OF.get(operation.name) or parameter["example"]
             path = path.replace("{" + name + "}", value)
         return path
 

@@ -90,6 +90,10 @@ def absent(scene, operation, ask):
         return [ask._replace(target=ask.target.replace(scene.field, "0" * 32)), ask._replace(target=ask.target.replace(scene.field, "x"))]
     if "{job}" in operation.path:
         return ask._replace(target=ask.target.replace(scene.job, "0" * 24))
+    if "{batch}" in operation.path:
+        return ask._replace(target=ask.target.replace(scene.batch, "0" * 24))
+    if operation.name == "create_batch":
+        return ask.plus(ask.body.replace(b"tetrahedron", b"no-such"))
     if "{name}" in operation.path and not is_upload(operation):
         parts = ask.target.split("/")
         name, mark, query = parts[3].partition("?")
@@ -106,7 +110,7 @@ def misplaced(scene, operation, ask):
     """Places that are not on the surface."""
     if not operation.body:
         return ask._replace(target=ask.target.replace("v:0", "f:0:2,2,2").replace("p:0.2,0.1,-0.5", "f:0:2,2,2"))
-    if operation.name.startswith(("put_", "create_")) and operation.name != "create_field":
+    if is_upload(operation):
         return [ask.plus(b"nothing of the kind"), ask.plus(dumps({**json.loads(ask.body), "knotsU": [1, 0, 0, 1]})), ask.plus(b"")]
     if ask.headers["Content-Type"] != JSON["Content-Type"]:
         return None
@@ -159,7 +163,8 @@ def uploading(scene, operation, ask):
 
 
 def is_upload(operation):
-    return operation.name.startswith(("put_", "create_")) and operation.name != "create_field"
+    """Of a surface."""
+    return operation.name.startswith(("put_", "create_")) and operation.name not in ("create_field", "create_batch")
 
 
 def large(operation):
@@ -267,6 +272,7 @@ def try_overload(found, folder):
         scene = Scene(daemon, found.contract).pretend()
         with hogged(daemon, scene, 2):
             found.try_all(daemon, scene, lambda scene, operation, ask: asking(scene, operation, ask) or uploading(scene, operation, ask))
+            found.try_all(daemon, scene, lambda scene, operation, ask: ask if operation.name == "delete_batch" else None)
 
 
 def await_calm(daemon):
@@ -303,6 +309,10 @@ def try_haste(found, folder):
         scene = Scene(daemon, found.contract).pretend()
         found.try_all(daemon, scene, asking)
         found.try_all(daemon, scene, uploading)
+        for operation in [each for each in found.contract.operations if "batches" in each.path]:  # which are in a database, read within the millisecond
+            asks = [scene.ask(operation)] * 100
+            for ask, answer in zip(asks, all_at_once(daemon, asks)):
+                found.note(operation, ask, answer)
 
 
 def try_scarcity(found, folder):
@@ -334,7 +344,7 @@ def try_refusing_store(found, folder):
 
 def try_late_removals(found, place):
     """So many at once that the store's writer has no time for the last within a millisecond."""
-    operations = [each for each in found.contract.operations if each.method == "delete" and 504 in each.codes]
+    operations = [each for each in found.contract.operations if each.method == "delete" and (each.path, "put") in found.contract.by_place]
     names = [f"n{number}" for number in range(100)]
     folder = pathlib.Path(place) / "many"
     with Daemon("--data-dir", str(folder)) as daemon:

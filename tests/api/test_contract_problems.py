@@ -39,6 +39,8 @@ def try_everything(found, place):
 
 
 class Problems(unittest.TestCase):
+    maxDiff = None
+
     @classmethod
     def setUpClass(cls):
         cls.found = Situations()
