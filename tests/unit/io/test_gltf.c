@@ -20,7 +20,7 @@ static const struct __attribute__((packed)) {
           {{5, 0, 0}, {0, 7, 0}}};
 
 /* Accessors: 0 corners; indices 1, 2, 3; 4 the first five bytes; 5 the quantized square, 6 the same as it is; 7 the corners, two of them
- * elsewhere; 8 zeros, but for two elsewhere. */
+ * elsewhere; 8 zeros, but for two elsewhere; 9 the bytes from the second on. */
 #define DATA                                                                                                           \
     "{'asset':{'version':'2.0'},'buffers':[{'byteLength':136,'uri':'@'}],"                                             \
     "'bufferViews':[{'buffer':0,'byteLength':48},"                                                                     \
@@ -40,7 +40,8 @@ static const struct __attribute__((packed)) {
     "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"                                \
     "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                                     \
     "{'componentType':5126,'count':4,'type':'VEC3','sparse':{'count':2,"                                               \
-    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}}]"
+    "'indices':{'bufferView':5,'componentType':5123},'values':{'bufferView':6}}},"                                     \
+    "{'bufferView':2,'byteOffset':1,'componentType':5121,'count':5,'type':'SCALAR'}]"
 #define PRIMITIVES(primitives) DATA ",'meshes':[{'primitives':[" primitives "]}]"
 #define SQUARE                 "{'attributes':{'POSITION':0},'indices':1}"
 #define MESH(primitives)       PRIMITIVES(primitives) "}"
@@ -62,6 +63,8 @@ static void reads_every_mode(void **state)
     check_both(MESH("{'attributes':{'POSITION':0},'indices':3}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 0 2 3");
     check_both(MESH("{'attributes':{'POSITION':0},'mode':5}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 3 2");
     check_both(MESH("{'attributes':{'POSITION':0},'mode':6}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0; 2 3 0");
+    check_both(MESH("{'attributes':{'POSITION':0},'indices':9,'mode':6}"),
+               "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 2 0 1; 0 2 1; 2 3 1");
     /* 0 1 2 0 2: the last triangle repeats a corner, and is nothing in a strip or fan */
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':5}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 0 1 2; 1 0 2");
     check_both(MESH("{'attributes':{'POSITION':0},'indices':4,'mode':6}"), "0 0 0; 1 0 0; 1 1 0; 0 1 0 | 1 2 0");
@@ -226,12 +229,12 @@ static const struct {
     {"'bufferView':1,'componentType':5123", "'bufferView':1,'componentType':5125", GD_TRUNCATED, "24"},
     {"'count':6,'type':'SCALAR'", "'count':5,'type':'SCALAR'", GD_SYNTAX, "5 corners"},
     {"'count':6,'type':'SCALAR'", "'count':6,'type':'VEC3'", GD_SYNTAX, "SCALAR"},
-    {"'POSITION':0", "'POSITION':9", GD_SYNTAX, "only 9"},
+    {"'POSITION':0", "'POSITION':10", GD_SYNTAX, "only 10"},
     {"'POSITION':0", "'POSITION':0.5", GD_SYNTAX, "'accessors'"},
     {"'POSITION':0", "'POSITION':1", GD_SYNTAX, "VEC3"},
     {"'POSITION':0", "'NORMAL':0", GD_EMPTY, "1 primitives are points or lines"},
     {"'indices':1}]}]", "'indices':0}]}]", GD_SYNTAX, "4 corners"},
-    {"'indices':1}]}]", "'indices':99}]}]", GD_SYNTAX, "only 9"},
+    {"'indices':1}]}]", "'indices':99}]}]", GD_SYNTAX, "only 10"},
     {"'indices':1}]}]", "'indices':1,'mode':7}]}]", GD_SYNTAX, "'mode'"},
     {"'indices':1}]}]", "'indices':1,'mode':2}]}]", GD_EMPTY, "points or lines"},
     {"'primitives':[", "'primitives':{},'p':[", GD_SYNTAX, "'primitives'"},

@@ -15,7 +15,7 @@ static const uint32_t first[3] = {0, 3, 5}, single[2] = {4, 5};
 
 static char *written(const struct gd_result *result, enum gd_result_format format, size_t *size)
 {
-    char *bytes;
+    char *bytes = NULL;
     assert_int_equal(gd_write_result(result, format, &bytes, size), GD_OK);
     assert_true(*size <= gd_result_cost(result));
     return bytes;

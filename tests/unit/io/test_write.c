@@ -99,7 +99,7 @@ static void writes_stl_as_floats(void **state)
 static void writes_gltf_as_floats(void **state)
 {
     (void)state;
-    static double floats[][3] = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 0x1.fffffep100}};
+    static double floats[][3] = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0x1.99999ap-4, 0x1.8p-40, 7}};
     struct gd_polygons polygons = {
         .positions = floats, .position_count = 4, .polygon_count = 4, .corners = tetrahedron};
     check_round_trip(&polygons, GD_FORMAT_GLB);
