@@ -72,18 +72,17 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
     return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
 }
 
-/* Of the way from a vertex to one of the two ends. */
-static double lower_of(const struct gd__guide *guide, const struct gd__anchor *end, const struct gd__guide_sight *sight,
-                       uint32_t vertex)
+/* Of the way from a vertex to one of the two ends, as the straight line tells it. */
+static double lower_by_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
 {
-    double lower = straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
-    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, sight, vertex));
-    return fmax(lower, 0);
+    return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
 }
 
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
 {
-    double lower = lower_of(guide, &guide->target, &guide->from_target, vertex);
+    double lower = lower_by_line(guide, vertex, &guide->target);
+    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
+    if (lower < 0) lower = 0;
     if (touch(guide, vertex)) return lower; /* without room it is measured again */
     return guide->node[vertex].lower = lower;
 }
@@ -295,12 +294,13 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
     const struct gd__anchor start = gd__anchor(guide->mesh, from);
     uint32_t v;
     double whole = best_way(guide, &start, &v), forth = 0, back = 0;
+    if (guide->landmark) return false; /* what they miss is little and tells little */
     for (; v != GD_NONE; v = guide->node[v].parent) {
         const struct gd__guide_node *node = &guide->node[v];
         double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
                run = whole - node->upper;
-        forth += step * work_at(run, node->upper, lower_of(guide, &guide->target, &guide->from_target, v));
-        back += step * work_at(node->upper, run, lower_of(guide, &start, &guide->from_start, v));
+        forth += step * work_at(run, node->upper, lower_by_line(guide, v, &guide->target));
+        back += step * work_at(node->upper, run, lower_by_line(guide, v, &start));
     }
     return back < forth;
 }

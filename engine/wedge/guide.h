@@ -58,7 +58,8 @@ size_t gd__guide_held(const struct gd__guide *guide);
 /* The first vertex of the path from `from` that gd__guide_aim found; the others follow by node[].parent. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Whether a search from the target for `from` would, as far as the path tells, have less to do than one from there. O(vertices of the path). */
+/* Whether a search from the target for `from` would, as far as the path tells, have less to do than one from there; false with
+ * landmarks. O(vertices of the path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
 
 /* Aims at `from`, from which it was aimed; of upper bounds only those of its own corners are left, and no path. Errors: those of gd__guide_aim. */
