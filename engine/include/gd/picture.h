@@ -51,7 +51,7 @@ struct gd_picture {
 /* The picture as a file, `*size` bytes at `*bytes`, which the caller frees by free. `control` may be NULL.
  * Errors: GD_INVALID_ARGUMENT (a size, a number of isolines, a direction or an upwards outside what is said above, or a field of another mesh), GD_NO_MEMORY, GD_BUDGET,
  * GD_CANCELLED, GD_DEADLINE.
- * Cost: O(faces + pixels), and for a field the distances at the pixels. 800 x 600 of 100,000 faces: engine/doc/025. Memory: 64 bytes a face, 16 a pixel,
+ * Cost: O(faces + pixels), and for a field the distances at the pixels. 800 x 600 of 100,000 faces: engine/doc/025. Memory: about 64 bytes a face, 17 a pixel,
  * and what isolines take. Thread-safe. */
 GD_MUST_USE enum gd_status gd_picture_png(const struct gd_picture *picture, const struct gd_control *control,
                                           void **bytes, size_t *size);
