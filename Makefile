@@ -48,7 +48,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
+.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers contract-linter web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
@@ -57,7 +57,7 @@ help: ## list the targets
 
 # Everything that building, running and testing need, from Debian 12's own packages.
 PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev libpq-dev zlib1g-dev \
-            libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml curl ca-certificates
+            libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml python3-jsonschema curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
 # The pages are made by node and npm, whoever installed them; the tests of the pages want a browser, too.
 NODE      = $(if $(filter no,$(VIEWER)),,$(shell command -v node >/dev/null && command -v npm >/dev/null || echo nodejs npm))
@@ -87,7 +87,7 @@ serve: build ## run the daemon in the foreground
 	$(BUILD)/geodesicd
 
 test: PACKAGES += debhelper dh-python lintian pkg-config haproxy postgresql python3-kubernetes # wanted by tests only
-test: setup-test nurbs-peers web-peers ## set up and run all tests
+test: setup-test nurbs-peers contract-linter web-peers ## set up and run all tests
 	@$(MAKE) --no-print-directory -j2 build test-build $(BUILD)/gd_sweep $(BUILD)/gd_bench $(BUILD)/gd_bench_cgal $(BUILD)/gd_http_bare $(BUILD)/gd_load $(BUILD)/gd_alloc
 	@$(MAKE) --no-print-directory -j2 asan-build
 	@$(MAKE) --no-print-directory -j2 fuzz-build
@@ -103,6 +103,13 @@ nurbs-peers: ## programs that evaluate NURBS, or read glTF, too, for the tests (
 	@if [ ! -e $(BUILD)/peers/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/peers; \
 	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/peers $(NURBS_PEERS) \
 	        >/dev/null 2>&1 && touch $(BUILD)/peers/complete || echo "npm could not install $(NURBS_PEERS): tests against them are skipped"; fi
+
+# Reads the contract only; no network, no telemetry. Without npm or a network, tests/api/test_contract_lint.py is skipped.
+CONTRACT_LINTER := @redocly/openapi-core@1.34.5
+contract-linter: ## a linter of OpenAPI documents, for the tests (wants npm)
+	@if [ ! -e $(BUILD)/linter/complete ] && command -v npm >/dev/null; then mkdir -p $(BUILD)/linter; \
+	    timeout 90 npm install --silent --no-save --no-package-lock --no-audit --no-fund --ignore-scripts --prefix $(BUILD)/linter $(CONTRACT_LINTER) \
+	        >/dev/null 2>&1 && touch $(BUILD)/linter/complete || echo "npm could not install $(CONTRACT_LINTER): the contract is not linted by it"; fi
 
 # Likewise: playwright-core and axe-core, for tests/web.
 web-peers:
@@ -333,6 +340,8 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc ## each promise tested in its 
 	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
 	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))" \
 	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
+	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \
+	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
 	    "the container, built and run | no failure | tests/container/run.py --place $(BUILD)/container"
 
 # The tests in a build that counts what they run through; without the sandbox, since the counts are written when a daemon ends.

@@ -146,6 +146,7 @@ PLAIN = {
     "a body of another kind": lambda scene, operation, ask: ask.plus(Content_Type="text/nonsense") if operation.body else None,
     "as a job": lambda scene, operation, ask: ask.plus(Prefer="respond-async"),
     "places outside": misplaced,
+    "a picture that is too large": lambda scene, operation, ask: instead(scene, operation, "size", "4096x4096"),
 }
 
 
@@ -189,7 +190,13 @@ def try_plain(found):
         scene.fill()
         for number in range(1100):  # more than a mesh's catalogue remembers
             scene.must("POST", "/v1/meshes/tetrahedron/fields", dumps({"set": {"points": [{"edge": [0, 1], "t": number / 2000}]}}), JSON)
-        found.try_all(daemon, scene, lambda scene, operation, ask: ask if "{id}" in operation.path else None)
+        found.try_all(daemon, scene, lambda scene, operation, ask: ask if "{id}" in operation.path else instead(scene, operation, "field", scene.field))
+
+
+def instead(scene, operation, name, value):
+    """With that parameter alone, where the operation has it."""
+    has = any(parameter["name"] == name for parameter in operation.parameters)
+    return scene.ask(operation)._replace(target=f"{scene.path(operation)}?{name}={value}") if has else None
 
 
 def try_conflicts(found, daemon, scene):
