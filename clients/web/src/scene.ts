@@ -39,6 +39,8 @@ function hasGraphicsCard(): boolean {
 
 export class Scene {
   readonly lines = new Lines();
+  /** Lines that are many and stay: they are drawn with the surface, once. */
+  readonly fixedLines = new Lines();
   /** What moves on the surface. */
   readonly props = new Group();
   /** What a mode shows beside the surface, or instead of it. */
@@ -68,7 +70,7 @@ export class Scene {
     const lamp = new DirectionalLight(0xffffff, 2.2);
     lamp.position.set(-0.6, 0.8, 1);
     this.camera.add(lamp);
-    this.ground.add(this.camera, this.sky, this.solids);
+    this.ground.add(this.camera, this.sky, this.solids, this.fixedLines.group);
     this.above.add(new HemisphereLight(0xffffff, 0x606870, 2), lamp.clone(), this.props, this.lines.group);
     this.controls = this.makeControls("y");
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
@@ -135,6 +137,7 @@ export class Scene {
     if (this.skin) this.ground.remove(this.skin.mesh);
     this.skin?.dispose();
     this.lines.clear();
+    this.fixedLines.clear();
     this.props.clear();
     this.solids.clear();
     this.surface = surface;

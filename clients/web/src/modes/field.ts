@@ -88,7 +88,7 @@ export class FieldMode extends Mode {
   private async showIsolines(field: Field): Promise<void> {
     const count = this.settings.number("isolines");
     const isolines = count > 0 ? await isolinesOf(this.bench, field.id!, count) : [];
-    if (!this.bench.aborted) this.lines("isolines", polylinesOf(isolines), INK.isoline, 1.2, 0);
+    if (!this.bench.aborted) this.isolines(polylinesOf(isolines));
   }
 
   private async showWay(from: Place, to: Place): Promise<void> {

@@ -57,6 +57,7 @@ export abstract class Mode {
   /** Takes away what it shows. */
   clear(): void {
     this.bench.scene.lines.clear();
+    this.bench.scene.fixedLines.clear();
     this.bench.scene.props.clear();
     this.bench.scene.skin?.clear();
     this.bench.legend.hide();
@@ -67,6 +68,14 @@ export abstract class Mode {
     const view = polylines.map((line) => this.bench.scene.toView(line));
     this.bench.scene.lines.set(name, view, { colour, width, hidden });
     this.bench.scene.draw();
+  }
+
+  /** Lines of equal distance: many points, which stay until the next answer. */
+  protected isolines(polylines: Vec3[][]): void {
+    const { scene } = this.bench;
+    const view = polylines.map((line) => scene.toView(line));
+    scene.fixedLines.set("isolines", view, { colour: INK.isoline, width: 1.2, hidden: 0 });
+    scene.redraw();
   }
 
   protected get time(): Fact {

@@ -88,7 +88,7 @@ export class SetMode extends Mode {
     const bisectors = voronoi.bisectors!;
     const lines = this.settings.on("bisectors") ? bisectors.map((bisector) => bisector.points as Vec3[]) : [];
     this.lines("bisectors", lines, INK.isoline, 2.5, 0.15);
-    this.lines("isolines", isolines, INK.isoline, 1, 0);
+    this.isolines(isolines);
     const total = bisectors.reduce((sum, bisector) => sum + bisector.length, 0);
     answer.show([
       { label: "Points", value: whole(places.length), main: true },
