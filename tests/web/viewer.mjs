@@ -14,6 +14,7 @@ const DRAG = 3000; /* milliseconds */
 const MOUSE = 8; /* milliseconds from one place of the mouse to the next */
 const RADIUS = 15; /* pixels: a circle that stays on the surface */
 const SMALL = { viewport: { width: 960, height: 640 } }; /* pixels are drawn by the processor here */
+const URL_DELAY = 1000; /* milliseconds: the URL is written when the hand rests */
 const TICKS = 100; /* a second: the unit of /proc/PID/stat */
 
 /** Until the page has loaded, asked, and been answered. */
@@ -133,6 +134,7 @@ async function link(browser) {
   await settle(page);
   assert.notDeepEqual(await read(page, "points"), before);
   const { distance } = await read(page, "last");
+  await page.waitForTimeout(URL_DELAY);
   const again = await browser.page("/" + new URL(page.url()).hash);
   await settle(again);
   assert.equal((await read(again, "last")).distance, distance);
