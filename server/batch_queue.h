@@ -21,6 +21,8 @@
 #define SERVER_BATCH_LEASE 15000 /* ms */
 #define SERVER_BATCH_TRIES 5
 
+#define SERVER_BATCH_QUEUE_FILE "batches.db" /* where a data folder has it */
+
 /* The statements that make the tables in SQLite, NULL-terminated (PostgreSQL's: store_postgres_schema.c). */
 extern const char *const server_batch_queue_tables[];
 

@@ -1,12 +1,13 @@
 /* See store_tools.h: --backup and --restore, which differ in how objects are brought over.
  *
  * The database is copied as it is at one moment; what its rows name is then brought over. A file that a replacement or
- * a delete took away meanwhile means that the moment was a bad one: then it is done again. */
+ * a delete took away meanwhile means that the moment was a bad one: then it is done again. Batches are copied before. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "server/batch_queue.h"
 #include "server/store_database.h"
 #include "server/store_files.h"
 #include "server/store_tools.h"
@@ -86,12 +87,15 @@ static bool on_row_manifest(void *user, const struct server_row *row)
 
 /* --- one moment --------------------------------------------------------------------------------------------------- */
 
-static enum server_store_outcome copy_database(const struct backup *backup, const char *copy)
+typedef enum server_store_outcome open_database(const char *path, struct server_database **out);
+
+static enum server_store_outcome copy_database(const struct backup *backup, const char *name, open_database *open)
 {
     struct server_database *database;
-    char path[SERVER_DISK_PATH];
-    server_files_path(&backup->from, path, "geodesicd.db");
-    enum server_store_outcome outcome = server_database_open_to_read(path, &database);
+    char path[SERVER_DISK_PATH], copy[SERVER_DISK_PATH];
+    server_files_path(&backup->from, path, name);
+    server_files_path(&backup->to, copy, name);
+    enum server_store_outcome outcome = open(path, &database);
     if (outcome) {
         fprintf(backup->out, "the database '%s' is damaged, or can't be read\n", path);
         return SERVER_STORE_REFUSED;
@@ -111,7 +115,7 @@ static enum server_store_outcome copy_moment(struct backup *backup)
     unlink(path);
     backup->surfaces = 0;
     backup->bytes = 0;
-    enum server_store_outcome outcome = copy_database(backup, path);
+    enum server_store_outcome outcome = copy_database(backup, "geodesicd.db", server_database_open_to_read);
     if (!outcome) outcome = server_database_open(path, &database);
     if (outcome) return outcome;
     backup->outcome = SERVER_STORE_DONE;
@@ -123,15 +127,28 @@ static enum server_store_outcome copy_moment(struct backup *backup)
 
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
-static bool copy_store(struct backup *backup)
+static bool has_file(const struct server_store_files *files, const char *name)
 {
     char path[SERVER_DISK_PATH];
-    server_files_path(&backup->to, path, "geodesicd.db");
-    if (access(path, F_OK) == 0) {
+    server_files_path(files, path, name);
+    return access(path, F_OK) == 0;
+}
+
+/* Before the surfaces: so those that the batches ask about are there, or were removed since. */
+static enum server_store_outcome copy_batches(const struct backup *backup)
+{
+    if (!has_file(&backup->from, SERVER_BATCH_QUEUE_FILE)) return SERVER_STORE_DONE;
+    return copy_database(backup, SERVER_BATCH_QUEUE_FILE, server_database_open_to_copy);
+}
+
+static bool copy_store(struct backup *backup)
+{
+    if (has_file(&backup->to, "geodesicd.db") || has_file(&backup->to, SERVER_BATCH_QUEUE_FILE)) {
         fprintf(backup->out, "'%s' holds a data folder already: name a new one\n", backup->to.folder);
         return false;
     }
-    enum server_store_outcome outcome = SERVER_STORE_ABSENT;
+    enum server_store_outcome outcome = copy_batches(backup);
+    if (!outcome) outcome = SERVER_STORE_ABSENT;
     for (int attempt = 0; outcome == SERVER_STORE_ABSENT && attempt < ATTEMPTS; attempt++)
         outcome = copy_moment(backup);
     if (outcome == SERVER_STORE_ABSENT)

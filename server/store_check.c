@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/batch_queue.h"
 #include "server/store_database.h"
 #include "server/store_files.h"
 #include "server/store_tools.h"
@@ -236,6 +237,18 @@ static void check_database(struct check *check)
               path);
 }
 
+/* There need not be any. */
+static void check_batches(struct check *check)
+{
+    struct server_database *database = NULL;
+    char path[SERVER_DISK_PATH];
+    server_files_path(&check->files, path, SERVER_BATCH_QUEUE_FILE);
+    enum server_store_outcome outcome = server_database_open_to_copy(path, &database);
+    if (outcome && outcome != SERVER_STORE_ABSENT)
+        fault(check, "the database of batches is damaged or can't be read; without it there are none", path);
+    server_database_close(database, false);
+}
+
 /* --- the whole ---------------------------------------------------------------------------------------------------- */
 
 static void on_temporary(void *user, const char *path, const char *file)
@@ -284,6 +297,7 @@ bool server_store_check(const char *folder, FILE *out)
     }
     check_files(&check);
     check_database(&check);
+    check_batches(&check);
     check_unused_objects(&check);
     server_files_path(&check.files, temporary, "temporary");
     (void)server_disk_each(temporary, on_temporary, &check); /* there need not be any */

@@ -136,14 +136,32 @@ static enum server_store_outcome lift(struct server_database *database)
     return SERVER_STORE_DONE;
 }
 
+/* To one that there is already. */
+static enum server_store_outcome connect_to_read(struct server_database *database, const char *path)
+{
+    database->had_no_log = !has_log(path);
+    return access(path, F_OK) == 0 ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
+}
+
+enum server_store_outcome server_database_open_to_copy(const char *path, struct server_database **out)
+{
+    struct server_database *database = calloc(1, sizeof *database);
+    if (!database) return SERVER_STORE_NO_MEMORY;
+    enum server_store_outcome outcome = connect_to_read(database, path);
+    if (!outcome) outcome = check_all(database);
+    if (outcome)
+        server_database_close(database, false);
+    else
+        *out = database;
+    return outcome;
+}
+
 enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out)
 {
     struct server_database *database = calloc(1, sizeof *database);
     if (!database) return SERVER_STORE_NO_MEMORY;
     int version = 0;
-    database->had_no_log = !has_log(path);
-    enum server_store_outcome outcome =
-        access(path, F_OK) == 0 ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
+    enum server_store_outcome outcome = connect_to_read(database, path);
     if (!outcome) outcome = server_store_version(database->connection, &version);
     if (!outcome && version == 0) outcome = SERVER_STORE_ABSENT;
     if (!outcome) outcome = check_all(database);

@@ -19,6 +19,9 @@ enum server_store_outcome server_database_open(const char *path, struct server_d
  * a log (-shm) that a crash left. ABSENT: there is none, or it has no tables yet. */
 enum server_store_outcome server_database_open_to_read(const char *path, struct server_database **out);
 
+/* Likewise one with whatever tables (batch_queue.h): to check it, which this does, and to copy it. */
+enum server_store_outcome server_database_open_to_copy(const char *path, struct server_database **out);
+
 /* Closes. `is_sound`: what is in the log may go into the database. NULL is harmless. */
 void server_database_close(struct server_database *database, bool is_sound);
 

@@ -2,6 +2,7 @@
  *
  *     lock                        held by the process that has the store open
  *     geodesicd.db, -wal, -shm    SQLite: the records as rows
+ *     batches.db, -wal, -shm      SQLite: the batches (batch_queue.h); made by the first
  *     objects/ab/<object>         files and attachments, immutable, named by their content (record.h), shared by all
  *                                 surfaces that have them
  *     manifests/<key>.manifest    the record of each surface (record.h), by the text of its key (key.h): what the database

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Reads every row, manifest, object and stored field of a data folder that no daemon uses, and prints what it finds
+/* Reads every row, manifest, object, stored field and batch of a data folder that no daemon uses, and prints what it finds
  * to `out`: a line a fault, a line for each kind of thing that the next start will tidy up, and the sums. Makes and
  * changes nothing, but for what SQLite itself keeps beside a database whose daemon was killed (-shm). False: there
  * are faults, there is no data folder, or it can't be checked. */

@@ -14,6 +14,7 @@ import threading
 import unittest
 
 from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, TestCase, sample
+from test_batches import begin, results, wait
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -440,6 +441,26 @@ class Tools(Stored):
             self.assertEqual(daemon.get("/v1/meshes/kept/distance?from=v:0&to=v:9").body, answer)
         self.assertEqual(self.tool("--backup", copies / "copy2", folder=copies / "copy3").returncode, 1)
 
+    def test_batches_are_copied_and_restored(self):
+        copy, again = (pathlib.Path(self.place.name) / name for name in ("copy", "again"))
+        with self.start("--workers", "1") as daemon:
+            daemon.put("sphere", sample("icosphere", level=4))
+            done = begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": [0, 5, 17]}).json["id"]
+            wait(daemon, done)
+            answers = results(daemon, done)
+            under_way = begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))}).json["id"]
+            backup = self.tool("--backup", copy)
+        self.assertEqual(backup.returncode, 0, backup)
+        restored = self.tool("--restore", copy, folder=again)
+        self.assertEqual(restored.returncode, 0, restored)
+        check = self.tool("--check-store", folder=again)
+        self.assertEqual((check.returncode, check.stderr), (0, ""), check)
+        with Daemon("--data-dir", str(again)) as daemon:
+            self.assertEqual(results(daemon, done), answers)
+            self.assertEqual((wait(daemon, under_way)["done"], daemon.get(f"/v1/batches/{under_way}").json["failed"]), (300, 0))
+        (copy / "geodesicd.db").unlink()
+        self.assertEqual(self.tool("--backup", copy).returncode, 1, "a copy in the place of what a folder had")
+
     def test_check_of_nothing(self):
         self.assertEqual(self.tool("--check-store").returncode, 1)
         self.assertFalse(self.folder.exists())
@@ -458,6 +479,7 @@ class Tools(Stored):
             daemon.wait_for("landmarks_built_total")
             daemon.ask_often("square", "v:0")
             daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
+            wait(daemon, begin(daemon, {"query": "all-pairs", "mesh": "square", "vertices": [0, 1]}).json["id"])
 
     def contents(self):
         return {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file() and not path.name.endswith("-shm")}
@@ -501,6 +523,7 @@ class Tools(Stored):
             "a manifest": lambda: self.flip(one("manifests/*")),
             "a lost manifest": lambda: one("manifests/*").unlink(),
             "the database": lambda: self.flip(self.folder / "geodesicd.db", 0),
+            "the database of batches": lambda: self.flip(self.folder / "batches.db", 0),
             "a lost database": lambda: (self.folder / "geodesicd.db").unlink(),
         }
         for what, damage in damages.items():
