@@ -114,13 +114,18 @@ static bool fix_version(struct server_exchange *exchange, const struct proto_man
     return false;
 }
 
+/* No matter of time, which would make clients ask again: only a DELETE makes room. */
 static bool has_room(struct server_exchange *exchange, struct server_store_sql *sql)
 {
     int64_t count;
+    struct proto_problem problem;
     if (!check(exchange, server_batch_queue_count(sql, exchange->tenant, &count))) return false;
     if (count < BATCHES_MOST) return true;
-    server_reply_refusal(exchange, PROTO_PROBLEM_OVERLOADED,
-                         "there are %d batches already; delete those whose answers are no longer needed", BATCHES_MOST);
+    (void)proto_problem_set(&problem, PROTO_PROBLEM_CONFLICT,
+                            "there are %d batches already; delete those whose answers are no longer needed",
+                            BATCHES_MOST);
+    (void)proto_problem_limit(&problem, BATCHES_MOST);
+    server_reply_problem(exchange, &problem);
     return false;
 }
 

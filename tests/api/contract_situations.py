@@ -229,6 +229,13 @@ def try_degenerate(found, daemon, scene):
         found.try_all(daemon, scene, lambda scene, operation, ask: ask if f"/{kind}/{{name}}/" in operation.path else None)
 
 
+def try_crowd(found):
+    """As many batches as there may be, and one more."""
+    with Daemon() as daemon:
+        scene = Scene(daemon, found.contract).fill()
+        found.try_all(daemon, scene, lambda scene, operation, ask: [ask] * 1000, [scene.by_name["create_batch"]])
+
+
 def try_keys(found, place):
     """Nobody, who may only read, and who asks too often."""
     keys = pathlib.Path(place) / "keys"

@@ -109,7 +109,16 @@ class Alone:
 
 
 class InMemory(Alone, TestCase):
-    pass
+    def test_there_are_a_thousand_at_most(self):
+        document = {"query": "fields", "meshes": ["nobody"], "set": {"points": [{"vertex": 0}]}}
+        with Daemon() as daemon:
+            ids = [begin(daemon, document).json["id"] for _ in range(1000)]
+            refused = begin(daemon, document)
+            self.assertEqual((refused.status, refused.json["code"], refused.json["limit"]), (409, "conflict", 1000))
+            self.assertIsNone(refused.headers["Retry-After"])
+            wait(daemon, ids[0])
+            self.assertEqual(daemon.request("DELETE", f"/v1/batches/{ids[0]}").status, 204)
+            self.assertEqual(begin(daemon, document).status, 201)
 
 
 class InAFolder(Alone, unittest.TestCase):

@@ -27,6 +27,7 @@ def is_sanitized():
 
 def try_everything(found, place):
     contract_situations.try_plain(found)
+    contract_situations.try_crowd(found)
     contract_situations.try_keys(found, place)
     folder = contract_situations.store_large(place)
     for attempt in (contract_situations.try_overload, contract_situations.try_drain, contract_situations.try_haste, contract_situations.try_scarcity,
