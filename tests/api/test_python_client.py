@@ -3,10 +3,11 @@ import os
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import scenario
-from harness import SQUARE, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, SQUARE, Daemon, TestCase, sample
 
 sys.path.insert(0, str(scenario.CLIENTS / "python"))
 import geodesicd  # noqa: E402
@@ -117,6 +118,32 @@ class Meshes(TestCase):
         with self.assertRaises(geodesicd.InvalidRequest):
             failed.response()
         self.assertEqual(self.client.job(failed.id).state, "failed")
+
+    def test_batches(self):
+        batch = self.client.create_batch({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})
+        until = time.monotonic() + PATIENCE_SECONDS
+        while batch["state"] == "running" and time.monotonic() < until:
+            time.sleep(0.02)
+            batch = self.client.batch(batch["id"])
+        self.assertEqual((batch["state"], batch["items"], batch["done"], batch["failed"]), ("done", 3, 3, 0))
+        rows = [item["answer"]["distances"][0] for item in self.client.batch_results(batch["id"])]
+        for row, expected in zip(rows, ([0, 1, 2**0.5], [1, 0, 1], [2**0.5, 1, 0])):
+            for distance, known in zip(row, expected):
+                self.assertAlmostEqual(distance, known, delta=1e-12)
+        self.assertEqual(len(rows), 3)
+        self.client.delete_batch(batch["id"])
+        with self.assertRaises(geodesicd.NotFound):
+            self.client.batch(batch["id"])
+
+    def test_results_of_batches_go_over_pages(self):
+        many = self.client.create_batch({"query": "fields", "meshes": ["nobody"] * 150, "set": {"points": [{"vertex": 0}]}})
+        until = time.monotonic() + PATIENCE_SECONDS
+        while self.client.batch(many["id"])["state"] == "running" and time.monotonic() < until:
+            time.sleep(0.02)
+        results = list(self.client.batch_results(many["id"]))
+        self.assertEqual([result["item"] for result in results], list(range(150)))
+        self.assertEqual({result["problem"]["code"] for result in results}, {"not_found"})
+        self.client.delete_batch(many["id"])
 
     def test_threads_have_connections_of_their_own(self):
         answers = []

@@ -236,6 +236,25 @@ class Client:
             if after is None:
                 return
 
+    # --- batches ---------------------------------------------------------------------------------------------------------
+
+    def create_batch(self, request: Mapping[str, Any]) -> Dict[str, Any]:
+        """Begins work of many sources, which outlives this client and the daemon: {"query": "all-pairs", "mesh", "vertices"} or {"query": "fields",
+        "meshes", "set"}, as the contract has it. The batch: its `id`, `state` (running, done, cancelled), `items`, `done`, `failed`, `progress`."""
+        return self.call("POST", "/v1/batches", None, dict(request)).json
+
+    def batch(self, id: str) -> Dict[str, Any]:
+        """How far it is."""
+        return self.call("GET", f"/v1/batches/{id}").json
+
+    def batch_results(self, id: str) -> Iterator[Dict[str, Any]]:
+        """The items that have an answer by now, in their order: `answer`, or the `problem` of one that failed."""
+        return self.pages(f"/v1/batches/{id}/results", "results")
+
+    def delete_batch(self, id: str) -> None:
+        """Cancels it; removes one that has ended."""
+        self.call("DELETE", f"/v1/batches/{id}")
+
     # --- what it holds ---------------------------------------------------------------------------------------------------
 
     def meshes(self) -> Iterator[Dict[str, Any]]:
