@@ -448,7 +448,7 @@ class Tools(Stored):
             done = begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": [0, 5, 17]}).json["id"]
             wait(daemon, done)
             answers = results(daemon, done)
-            under_way = begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(300))}).json["id"]
+            under_way = begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": list(range(150))}).json["id"]
             backup = self.tool("--backup", copy)
         self.assertEqual(backup.returncode, 0, backup)
         restored = self.tool("--restore", copy, folder=again)
@@ -457,7 +457,7 @@ class Tools(Stored):
         self.assertEqual((check.returncode, check.stderr), (0, ""), check)
         with Daemon("--data-dir", str(again)) as daemon:
             self.assertEqual(results(daemon, done), answers)
-            self.assertEqual((wait(daemon, under_way)["done"], daemon.get(f"/v1/batches/{under_way}").json["failed"]), (300, 0))
+            self.assertEqual((wait(daemon, under_way)["done"], daemon.get(f"/v1/batches/{under_way}").json["failed"]), (150, 0))
         (copy / "geodesicd.db").unlink()
         self.assertEqual(self.tool("--backup", copy).returncode, 1, "a copy in the place of what a folder had")
 
