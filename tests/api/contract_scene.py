@@ -9,8 +9,6 @@ import time
 import typing
 import urllib.parse
 
-# A mesh that remembers where it comes from.
-MESH_OF = {"get_mesh_parameters": "sheet-mesh", "get_mesh_places": "cube-mesh"}
 JSON = {"Content-Type": "application/json"}
 FIELD = b'{"set": {"points": [{"vertex": 0}]}}'
 PATIENCE_SECONDS = 30
@@ -96,7 +94,7 @@ class Scene:
             if parameter["in"] != "path":
                 continue
             name = parameter["name"]
-            value = {"id": self.field, "job": self.job, "batch": self.batch}.get(name) or MESH_OF.get(operation.name) or parameter["example"]
+            value = {"id": self.field, "job": self.job, "batch": self.batch}.get(name) or parameter["example"]
             path = path.replace("{" + name + "}", value)
         return path
 

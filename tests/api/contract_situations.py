@@ -15,7 +15,7 @@ import threading
 import time
 
 import contract
-from contract_scene import JSON, MESH_OF, Ask, Scene, dumps, points_replaced, send
+from contract_scene import JSON, Ask, Scene, dumps, points_replaced, send
 from harness import PROGRAM, TETRAHEDRON, Answer, Daemon, sample
 from nurbs import bumps
 from test_access import bearer, line
@@ -268,7 +268,7 @@ def store_large(place):
     """A data folder with large surfaces under the names that are asked about. `sheet` is the largest and the most used."""
     folder, ball = pathlib.Path(place) / "data", sample("icosphere", level=6)
     with Daemon("--data-dir", str(folder)) as daemon:
-        for name in ("tetrahedron", *MESH_OF.values()):
+        for name in ("tetrahedron", "sheet-mesh", "cube-mesh"):
             assert daemon.put(name, ball).status == 201
         assert daemon.request("PUT", "/v1/subdivisions/cube?scheme=loop", sample("icosphere", level=5)).status == 201
         assert daemon.request("PUT", "/v1/nurbs/sheet", dumps(bumps(250, 250, 0.1, 1)), JSON).status == 201

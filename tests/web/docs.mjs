@@ -44,9 +44,10 @@ async function tryOut(browser) {
   await prepare(page);
   const wanted = browser.settings.all ? ({ operationId }) => !ENDLESS.has(operationId) : ({ operationId }) => ONE_EACH.includes(operationId);
   const all = (await operations(browser)).filter(wanted);
-  const lastly = all.filter(({ method }) => method === "delete");
+  const byMethod = (wanted) => all.filter(({ method }) => method === wanted);
+  const lastly = [...byMethod("delete").reverse(), ...byMethod("put")]; // an upload ends the fields of what was there
   const refused = [];
-  for (const operation of [...all.filter((one) => !lastly.includes(one)), ...lastly.reverse()]) {
+  for (const operation of [...all.filter((one) => !lastly.includes(one)), ...lastly]) {
     const status = await execute(page, operation).catch((error) => error.message.split("\n")[0]);
     if (!(status >= 200 && status < 300)) refused.push(`${operation.operationId}: ${status}`);
   }

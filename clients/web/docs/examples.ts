@@ -1,7 +1,9 @@
-// Makes on the daemon what the contract's examples speak of, by those examples themselves: surfaces, a field of one of them, a job.
+// Makes on the daemon what the contract's examples speak of, by those examples themselves: surfaces, meshes made of the smooth ones, a field, a job, a
+// batch.
 import { exampleBody, examplePath, type Contract } from "./contract.ts";
 
 const FIELDS = "/v1/meshes/{name}/fields";
+const MESHES = ["/v1/nurbs/{name}/tessellate", "/v1/subdivisions/{name}/discretize"];
 
 type Headers = Record<string, string>;
 
@@ -19,9 +21,12 @@ export async function makeExamples(contract: Contract, key?: string): Promise<st
   const access: Headers = key ? { Authorization: `Bearer ${key}` } : {};
   const surfaces = Object.keys(contract.paths).filter((path) => /^\/v1\/[a-z]+\/\{name\}$/.test(path) && contract.paths[path]?.put);
   for (const path of surfaces) await send(contract, "put", path, access);
+  for (const path of MESHES) await send(contract, "post", path, access);
   const field = await send(contract, "post", FIELDS, access);
   const job = await send(contract, "post", FIELDS, { ...access, Prefer: "respond-async" });
-  const made = { FieldId: field.headers.get("Location")!, JobId: job.headers.get("Location")! };
-  for (const [name, place] of Object.entries(made)) contract.components.parameters[name]!.example = place.split("/").pop();
+  const batch = await send(contract, "post", "/v1/batches", access);
+  const place = (answer: Response) => answer.headers.get("Location")!;
+  const made = { FieldId: place(field), JobId: place(job), BatchId: place(batch) };
+  for (const [name, where] of Object.entries(made)) contract.components.parameters[name]!.example = where.split("/").pop();
   return [...surfaces.map((path) => examplePath(contract, path)), ...Object.values(made)];
 }
