@@ -22,7 +22,7 @@ install_packages() {
     cp "$here/package.json" "$here/package-lock.json" "$place"
     ln -sfn "$(dirname "$here")" "$place/clients"
     (cd "$place" && timeout 300 npm ci --ignore-scripts --include=dev --no-audit --no-fund --loglevel=error --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=5000) >"$place/npm.log" 2>&1 ||
-        say "npm could not install the viewer's packages ($(grep -m 1 -i 'error' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
+        say "npm could not install the viewer's packages ($(grep -m 1 -iE 'npm err' "$place/npm.log" || echo 'no answer in 300 s')): connect to its registry," \
             "or go on by make VIEWER=no, which builds a daemon without the viewer; all that npm said is in $place/npm.log"
 }
 
