@@ -8,11 +8,15 @@
 #include <stdatomic.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "server/connections.h"
 
-#define DESCRIPTORS 131072 /* more than a daemon has open: see SERVER_CONFIG_CONNECTIONS */
-#define DRAIN_BYTES 65536
+#define DESCRIPTORS     131072 /* more than a daemon has open: see SERVER_CONFIG_CONNECTIONS */
+#define DRAIN_BYTES     65536
+#define ACCEPT_PAUSE_NS 10000000
 
 /* By the socket's number. An entry is the thread's that serves the connection. */
 static _Atomic(struct server_connection *) watched[DESCRIPTORS];
@@ -92,6 +96,19 @@ __attribute__((visibility("default"))) ssize_t recv(int descriptor, void *bytes,
     if (connection->ending && !*server_grammar_ending(&connection->grammar))
         shutdown(descriptor, SHUT_RD); /* look again */
     return (ssize_t)given;
+}
+
+/* As accept4(2). The library's thread that has no connection tries again at once when there is no descriptor left, for as long as that lasts
+ * (others wait for one of theirs to end): so a failure for want of them takes a moment. */
+__attribute__((visibility("default"))) int accept4(int descriptor, struct sockaddr *address, socklen_t *size, int flags)
+{
+    const struct timespec moment = {.tv_nsec = ACCEPT_PAUSE_NS};
+    int client = (int)syscall(SYS_accept4, descriptor, address, size, flags);
+    if (client >= 0 || (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM)) return client;
+    int error = errno;
+    nanosleep(&moment, NULL);
+    errno = error;
+    return client;
 }
 
 static ssize_t (*library_record_recv)(gnutls_session_t, void *, size_t);

@@ -3,7 +3,8 @@
  * libmicrohttpd 0.9.75 takes a bare LF for a line's end, joins folded lines, and lets blanks stand before a colon, and tells nobody; no
  * option of it changes that. So the daemon defines the two functions by which the library reads, recv and gnutls_record_recv, itself:
  * what comes on a watched socket passes the grammar, and where that finds a fault the library gets, instead of the rest, an ending
- * that makes a request of it, which http.c refuses. The alternatives are weighed in server/doc/006. */
+ * that makes a request of it, which http.c refuses. The alternatives are weighed in server/doc/006. A third, accept4, waits a moment where there is no
+ * descriptor left: the library would spin. */
 #ifndef SERVER_WIRE_H
 #define SERVER_WIRE_H
 
