@@ -18,6 +18,12 @@ export const INK = {
   cage: "#5b6b75",
 };
 
+/** Of modes between two points. */
+export const ENDS: Group[] = [
+  { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
+  { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
+];
+
 export abstract class Mode {
   /** In the URL. */
   abstract readonly id: string;

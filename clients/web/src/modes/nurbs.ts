@@ -15,7 +15,7 @@ import { check, choice, only, range, Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
 import { number } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
-import { INK, Mode } from "./mode.ts";
+import { ENDS, INK, Mode } from "./mode.ts";
 
 const NET = 12; /* parts of the net of parameter lines */
 const STEPS = 48; /* of a parameter line */
@@ -36,10 +36,7 @@ export class NurbsMode extends Mode {
   readonly title = "NURBS";
   override readonly kind: Kind = "nurbs";
   readonly hint = "A smooth parametric surface. Click two points, or ask for the way to a curve, or between two.";
-  readonly groups = [
-    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
-    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
-  ];
+  readonly groups = ENDS;
   override settings = new Settings({
     what: choice("The shortest path", "points", [
       ["points", "from point to point"],

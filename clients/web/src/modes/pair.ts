@@ -2,7 +2,7 @@
 
 import type { PathAnswer } from "../../../js/types.d.ts";
 import { pointOf } from "../place.ts";
-import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
+import { ENDS, INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 const JOB_FACES = 300000; /* a search is quick on what is smaller */
 
@@ -10,10 +10,7 @@ export class PairMode extends Mode {
   readonly id = "pair";
   readonly title = "Shortest path";
   readonly hint = "Click two points. Drag them, and the exact shortest path follows.";
-  readonly groups = [
-    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
-    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
-  ];
+  readonly groups = ENDS;
 
   async ask(live: boolean): Promise<void> {
     const { points, units, answer } = this.bench;

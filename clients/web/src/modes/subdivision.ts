@@ -16,17 +16,14 @@ import { check, choice, only, range, Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
 import { number } from "../units.ts";
 import { subtract, type Vec3 } from "../vector.ts";
-import { INK, Mode, XYZ } from "./mode.ts";
+import { ENDS, INK, Mode, XYZ } from "./mode.ts";
 
 export class SubdivisionMode extends Mode {
   readonly id = "limit";
   readonly title = "Catmull-Clark";
   override readonly kind: Kind = "subdivisions";
   readonly hint = "The limit surface of a control mesh. Click two points of it.";
-  readonly groups = [
-    { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
-    { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
-  ];
+  readonly groups = ENDS;
   override settings = new Settings({
     what: choice("Ask for", "path", [
       ["path", "the shortest path"],
