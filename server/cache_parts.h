@@ -1,4 +1,5 @@
-/* What the cache is made of: shelf.c has the fields of one mesh, cache.c what they have in common. Included by those two. */
+/* What the cache is made of: shelf.c has the fields of one mesh, cache.c what they have in common. Included by those two and by
+ * the cache's test, which says what a build took. */
 #ifndef SERVER_CACHE_PARTS_H
 #define SERVER_CACHE_PARTS_H
 
