@@ -185,6 +185,7 @@ $(LIB_CLIENT): $(call objects,$(filter-out %/example.c,$(wildcard clients/c/*.c)
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
 $(BUILD)/obj/engine/%_avx2.c.o: CFLAGS += -mavx2
 $(BUILD)/obj/engine/%_avx512.c.o: CFLAGS += -mavx512f -mavx512vl -mavx512dq -mprefer-vector-width=512
+$(BUILD)/obj/engine/base/%_avx512.c.o: CFLAGS += -mavx512bw
 endif
 
 $(BUILD)/obj/%.c.o: %.c

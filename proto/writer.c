@@ -256,46 +256,19 @@ void proto_write_number(struct proto_writer *writer, double value)
     writer->comma = true;
 }
 
-#define RUN 24 /* numbers that are made at a time */
-
-/* The number or null, and a comma. */
-static inline char *put_decimal(char *at, double value, const struct gd_decimal *decimal)
-{
-    if (isfinite(value)) {
-        at = gd_decimal_format(at, decimal);
-    } else {
-        memcpy(at, "null", 4);
-        at += 4;
-    }
-    *at++ = ',';
-    return at;
-}
+#define RUN 96 /* numbers, or triples, that room is made for at a time */
 
 /* Each with a comma behind it. */
 static void append_numbers(struct proto_writer *writer, const double *values, size_t count)
 {
-    struct gd_decimal decimals[RUN];
-    if (!reserve(writer, count * (GD_NUMBER_SIZE + 1))) return;
-    gd_decimals(values, count, decimals);
-    char *at = writer->data + writer->size;
-    for (size_t i = 0; i < count; i++) at = put_decimal(at, values[i], &decimals[i]);
-    writer->size = (size_t)(at - writer->data);
+    if (!reserve(writer, GD_NUMBERS_SIZE(count))) return;
+    writer->size = (size_t)(gd_numbers_format(writer->data + writer->size, values, count) - writer->data);
 }
 
-/* Each as an array with a comma behind it. */
 static void append_triples(struct proto_writer *writer, const double (*values)[3], size_t count)
 {
-    struct gd_decimal decimals[RUN];
-    if (!reserve(writer, count * (3 * (GD_NUMBER_SIZE + 1) + 2))) return;
-    gd_decimals(*values, 3 * count, decimals);
-    char *at = writer->data + writer->size;
-    for (size_t i = 0; i < count; i++) {
-        *at++ = '[';
-        for (size_t k = 0; k < 3; k++) at = put_decimal(at, values[i][k], &decimals[3 * i + k]);
-        at[-1] = ']';
-        *at++ = ',';
-    }
-    writer->size = (size_t)(at - writer->data);
+    if (!reserve(writer, GD_TRIPLES_SIZE(count))) return;
+    writer->size = (size_t)(gd_triples_format(writer->data + writer->size, values, count) - writer->data);
 }
 
 void proto_write_numbers(struct proto_writer *writer, const double *values, size_t count)
@@ -310,8 +283,7 @@ void proto_write_triples(struct proto_writer *writer, const double (*values)[3],
 {
     if (!count) return;
     separate(writer);
-    for (size_t i = 0; i < count; i += RUN / 3)
-        append_triples(writer, values + i, count - i < RUN / 3 ? count - i : RUN / 3);
+    for (size_t i = 0; i < count; i += RUN) append_triples(writer, values + i, count - i < RUN ? count - i : RUN);
     if (writer->failure == PROTO_WRITER_FINE) writer->size--; /* the last comma */
 }
 

@@ -1,19 +1,10 @@
 /* C has no bounded, locale-free, correctly rounded conversion. C++17's <charconv> reads, five times as fast as strtod; what it writes
- * takes three times as long as shortest.h. */
+ * takes three times as long as what format.cc does. */
 #include "gd/number.h"
 
 #include <charconv>
-#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
-#include "base/shortest.h"
-
-/* --- from text ---------------------------------------------------------------------------------------------------- */
 
 static bool is_digit(char c)
 {
@@ -83,102 +74,4 @@ const char *gd_number_parse(const char *at, const char *end, double *out)
         *out = *at == '-' ? -magnitude : magnitude;
     }
     return result.ptr;
-}
-
-/* --- to text ------------------------------------------------------------------------------------------------------ */
-
-#define DIGITS 17 /* of any shortest decimal, at most */
-
-#ifdef __SSE2__
-
-/* Writes the digits of a number below 10^16, leading zeros included; returns how many there are without zeros behind the last one that counts.
- * Halves, quarters and so on stand beside each other in one register. */
-static int put16(char *to, uint64_t value)
-{
-    const __m128i halves = _mm_set_epi64x((int64_t)(value % 100000000), (int64_t)(value / 100000000));
-    const __m128i upper4 = _mm_srli_epi64(_mm_mul_epu32(halves, _mm_set1_epi64x(3518437209)), 45); /* / 10000 */
-    const __m128i lower4 = _mm_sub_epi32(halves, _mm_mul_epu32(upper4, _mm_set1_epi64x(10000)));
-    const __m128i fours = _mm_or_si128(upper4, _mm_slli_epi64(lower4, 32));
-    const __m128i upper2 = _mm_srli_epi16(_mm_mulhi_epu16(fours, _mm_set1_epi32(5243)), 3); /* / 100 */
-    const __m128i lower2 = _mm_sub_epi16(fours, _mm_mullo_epi16(upper2, _mm_set1_epi32(100)));
-    const __m128i twos = _mm_or_si128(upper2, _mm_slli_epi32(lower2, 16));
-    const __m128i upper = _mm_mulhi_epu16(twos, _mm_set1_epi16(6554)); /* / 10 */
-    const __m128i lower = _mm_sub_epi16(twos, _mm_mullo_epi16(upper, _mm_set1_epi16(10)));
-    const __m128i digits = _mm_or_si128(upper, _mm_slli_epi16(lower, 8));
-    const unsigned counting = (unsigned)_mm_movemask_epi8(_mm_cmpgt_epi8(digits, _mm_setzero_si128()));
-    _mm_storeu_si128((__m128i *)to, _mm_add_epi8(digits, _mm_set1_epi8('0')));
-    return counting ? 32 - __builtin_clz(counting) : 0;
-}
-
-#else
-
-static int put16(char *to, uint64_t value)
-{
-    int count = 0;
-    for (int i = 15; i >= 0; i--, value /= 10) {
-        to[i] = (char)('0' + value % 10);
-        if (!count && to[i] != '0') count = i + 1;
-    }
-    return count;
-}
-
-#endif
-
-/* Writes all DIGITS; returns how many of them count. */
-static int put_digits(char *to, uint64_t digits)
-{
-    const uint64_t first = digits / 10000000000000000;
-    *to = (char)('0' + first);
-    return 1 + put16(to + 1, digits - first * 10000000000000000);
-}
-
-/* Writes the digits with a point behind the first `whole` ones, if any are left behind it. */
-static char *put_pointed(char *to, uint64_t digits, int whole)
-{
-    const int count = put_digits(to + 1, digits);
-    std::memmove(to, to + 1, (size_t)whole);
-    to[whole] = '.';
-    return to + (count > whole ? count + 1 : whole);
-}
-
-static char *put_scientific(char *to, const struct gd_decimal *number)
-{
-    to = put_pointed(to, number->digits, 1);
-    *to++ = 'e';
-    return std::to_chars(to, to + 4, number->point - 1).ptr;
-}
-
-static char *put_plain(char *to, const struct gd_decimal *number)
-{
-    if (number->point > 0) return put_pointed(to, number->digits, number->point);
-    std::memcpy(to, "0.00000", 8);
-    to += 2 - number->point;
-    return to + put_digits(to, number->digits);
-}
-
-void gd_decimals(const double *values, size_t count, struct gd_decimal *out)
-{
-    for (size_t i = 0; i < count; i++) {
-        const double magnitude = std::fabs(values[i]);
-        const gd::decimal found = magnitude ? gd::shortest(magnitude) : gd::decimal{0, 0};
-        out[i] = {found.digits, found.point, std::signbit(values[i])};
-    }
-}
-
-char *gd_decimal_format(char *at, const struct gd_decimal *number)
-{
-    *at = '-';
-    at += number->is_negative;
-    if (!number->digits) {
-        *at++ = '0';
-        return at;
-    }
-    return number->point < -5 || number->point > DIGITS ? put_scientific(at, number) : put_plain(at, number);
-}
-
-char *gd_number_format(char *at, double value)
-{
-    struct gd_decimal number;
-    gd_decimals(&value, 1, &number);
-    return gd_decimal_format(at, &number);
 }

@@ -13,6 +13,8 @@
 #include <array>
 #include <cstring>
 
+#include "base/decimals.h"
+
 namespace
 {
 
@@ -100,12 +102,12 @@ constexpr std::array<power, MOST - LEAST + 1> powers = make_powers();
 /* --- scaling ------------------------------------------------------------------------------------------------------ */
 
 /* floor(log10(2^q)), or of 3/4 2^q; floor(log2(10^k)). Right for all exponents of doubles. */
-inline int log10_of_2(int q, bool is_less)
+constexpr int log10_of_2(int q, bool is_less)
 {
     return (q * 1262611 - (is_less ? 524031 : 0)) >> 22;
 }
 
-inline int log2_of_10(int k)
+constexpr int log2_of_10(int k)
 {
     return (k * 1741647) >> 19;
 }
@@ -213,3 +215,29 @@ gd::decimal gd::shortest(double value)
     return is_rare(!fraction && biased > 1) ? search_close(biased - 1075)
                                             : search(fraction | std::uint64_t(1) << 52, biased - 1075);
 }
+
+/* --- scales for lanes --------------------------------------------------------------------------------------------- */
+
+namespace
+{
+
+/* Of the unit 10^k, the least power of ten above 2^q: 2^(q + 119) / 10^k, which is a power shifted. */
+constexpr gd__decimal_scale make_scale(int q)
+{
+    const int k = log10_of_2(q, false) + 1;
+    const power power = powers[-k - LEAST];
+    const wide scale = (wide(power.high) << 64 | power.low) >> (8 - q - log2_of_10(-k));
+    return {std::uint64_t(scale >> 64), std::uint32_t(scale >> 32), std::uint32_t(scale >> 87)};
+}
+
+constexpr struct gd__decimal_scales make_scales()
+{
+    struct gd__decimal_scales made {
+    };
+    for (int i = 0; i < GD__DECIMAL_SCALES; i++) made.of[i] = make_scale(GD__DECIMAL_EXPONENT + i - 1075);
+    return made;
+}
+
+} // namespace
+
+constexpr struct gd__decimal_scales gd__decimal_scales = make_scales();

@@ -230,6 +230,62 @@ static void prints_every_power_shortest(void **state)
     }
 }
 
+/* What gd_numbers_format is to write. */
+static size_t print_each(const double *values, size_t count, char *out)
+{
+    char *at = out;
+    for (size_t i = 0; i < count; i++) at += sprintf(at, "%s,", isfinite(values[i]) ? printed(values[i]) : "null");
+    return (size_t)(at - out);
+}
+
+static size_t print_each_triple(const double (*values)[3], size_t count, char *out)
+{
+    char *at = out;
+    for (size_t i = 0; i < count; i++) {
+        *at++ = '[';
+        at += print_each(values[i], 3, at);
+        at[-1] = ']';
+        *at++ = ',';
+    }
+    return (size_t)(at - out);
+}
+
+/* Fills a place that is as large as promised, so that a byte too far is seen. */
+static void assert_written_alike(const double (*values)[3], size_t count)
+{
+    static char expected[GD_TRIPLES_SIZE(100)];
+    char *text = malloc(GD_NUMBERS_SIZE(3 * count)), *end = gd_numbers_format(text, *values, 3 * count);
+    assert_int_equal(end - text, print_each(*values, 3 * count, expected));
+    assert_memory_equal(text, expected, (size_t)(end - text));
+    free(text);
+    text = malloc(GD_TRIPLES_SIZE(count));
+    end = gd_triples_format(text, values, count);
+    assert_int_equal(end - text, print_each_triple(values, count, expected));
+    assert_memory_equal(text, expected, (size_t)(end - text));
+    free(text);
+}
+
+static void prints_many_as_it_prints_one(void **state)
+{
+    (void)state;
+    static const double rare[] = {
+        0, -0.0, NAN, INFINITY, -INFINITY, 1, -0.5, 1e-7, 1e17, 123456, -2.2250738585072014e-308};
+    uint64_t seed = 88172645463325252u;
+    double values[100][3];
+    for (long turn = 0; turn < 2000; turn++) {
+        size_t count = next_random(&seed) % COUNT(values) + 1;
+        for (size_t i = 0; i < 3 * count; i++) {
+            bool is_rare = turn % 2 && next_random(&seed) % 16 == 0;
+            values[i / 3][i % 3] =
+                is_rare ? rare[next_random(&seed) % COUNT(rare)] : random_double(&seed, turn + (long)i);
+        }
+        assert_written_alike(values, count);
+    }
+    for (size_t i = 0; i < 100; i++) values[i][0] = values[i][1] = values[i][2] = -2.2250738585072014e-308;
+    assert_written_alike(values, 100);
+    assert_written_alike(values, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -239,6 +295,7 @@ int main(void)
         cmocka_unit_test(prints_as_people_write),
         cmocka_unit_test(prints_shortest),
         cmocka_unit_test(prints_every_power_shortest),
+        cmocka_unit_test(prints_many_as_it_prints_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,146 @@
+#include "gd/number.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "base/decimals.h"
+#include "base/shortest.h"
+
+gd__decimals_kernel *gd__decimals_kernel_here(void)
+{
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return gd__decimals_avx512;
+    if (__builtin_cpu_supports("avx2")) return gd__decimals_avx2;
+#endif
+    return gd__decimals_plain;
+}
+
+namespace
+{
+
+constexpr int POINTS = 23; /* places for it: five zeros behind it, to behind the last digit */
+
+/* Where a number's digits go. All of them are written at `digits`, and once more, from `tail` on, behind the point. */
+struct layout {
+    unsigned char digits, point, tail;
+    bool
+        is_pointed_within; /* the point stands behind some digits; else all is there already, and it goes where nobody looks */
+};
+
+constexpr std::array<layout, POINTS> make_layouts()
+{
+    std::array<layout, POINTS> made{};
+    for (int i = 0; i < POINTS; i++) {
+        const int point = i + GD__DECIMAL_LEAST;
+        made[i] = point > 0 ? layout{0, (unsigned char)point, (unsigned char)(point - 1), true}
+                            : layout{(unsigned char)(2 - point), GD_NUMBER_SIZE, 0, false};
+    }
+    return made;
+}
+
+constexpr std::array<layout, POINTS> layouts = make_layouts();
+
+/* Writes one that was found; up to SLACK bytes more than it is long. Without branches: what they would depend on is as good as random. */
+inline char *put(char *at, const gd__decimals &decimals, std::size_t i)
+{
+    const std::uint64_t head = decimals.head[i];
+    const layout &layout = layouts[head >> 16];
+    const char *const digits = decimals.digits[i];
+    const unsigned count = 32 - unsigned(__builtin_clz(2u * decimals.counting[i] + 1)); /* that count */
+    char tail[16];
+    *at = '-';
+    at += head >> 8 & 1;
+    std::memcpy(at, "0.00000", 8);
+    at[layout.digits] = (char)head;
+    std::memcpy(at + layout.digits + 1, digits, 16);
+    std::memcpy(tail, digits + layout.tail, 16);
+    at[layout.point] = '.';
+    std::memcpy(at + layout.point + 1, tail, 16);
+    const unsigned size = layout.digits + count + layout.is_pointed_within;
+    const bool is_integer = layout.is_pointed_within && count <= layout.point;
+    return at + (is_integer ? layout.point : size);
+}
+
+/* Of a number that is written with an exponent, or 0. */
+char *put_rare(char *at, double value)
+{
+    gd__decimals decimal;
+    if (value == 0) {
+        *at = '-';
+        at += std::signbit(value);
+        *at++ = '0';
+        return at;
+    }
+    const gd::decimal found = gd::shortest(std::fabs(value));
+    gd__decimals_set(&decimal, 0, found.digits, 1, std::signbit(value));
+    at = put(at, decimal, 0);
+    *at++ = 'e';
+    return std::to_chars(at, at + 4, found.point - 1).ptr;
+}
+
+/* Of one that a kernel has left out. */
+char *put_left_out(char *at, double value)
+{
+    if (std::isfinite(value)) return gd_number_format(at, value);
+    std::memcpy(at, "null", 4);
+    return at + 4;
+}
+
+/* What has been found of a run of values. */
+struct run {
+    gd__decimals decimals;
+    std::uint32_t left_out;
+};
+
+/* A number of the run and a comma. */
+inline char *put_item(char *at, const run &run, const double *values, std::size_t i)
+{
+    at = __builtin_expect(run.left_out >> i & 1, 0) ? put_left_out(at, values[i]) : put(at, run.decimals, i);
+    *at++ = ',';
+    return at;
+}
+
+} // namespace
+
+char *gd_number_format(char *at, double value)
+{
+    char text[GD_NUMBERS_SIZE(1)];
+    gd__decimals decimal;
+    const bool is_rare = gd__decimals_plain(&value, 1, &decimal);
+    const char *const end = is_rare ? put_rare(text, value) : put(text, decimal, 0);
+    std::memcpy(at, text, GD_NUMBER_SIZE);
+    return at + (end - text);
+}
+
+char *gd_numbers_format(char *at, const double *values, std::size_t count)
+{
+    gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
+    run run;
+    for (std::size_t begin = 0; begin < count; begin += GD__DECIMALS) {
+        const std::size_t part = count - begin < GD__DECIMALS ? count - begin : std::size_t(GD__DECIMALS);
+        run.left_out = kernel(values + begin, std::uint32_t(part), &run.decimals);
+        for (std::size_t i = 0; i < part; i++) at = put_item(at, run, values + begin, i);
+    }
+    return at;
+}
+
+char *gd_triples_format(char *at, const double (*values)[3], std::size_t count)
+{
+    const std::size_t triples = GD__DECIMALS / 3;
+    gd__decimals_kernel *const kernel = gd__decimals_kernel_here();
+    run run;
+    for (std::size_t begin = 0; begin < count; begin += triples) {
+        const std::size_t part = count - begin < triples ? count - begin : triples;
+        run.left_out = kernel(values[begin], std::uint32_t(3 * part), &run.decimals);
+        for (std::size_t i = 0; i < 3 * part; i += 3) {
+            *at++ = '[';
+            for (std::size_t k = i; k < i + 3; k++) at = put_item(at, run, values[begin], k);
+            at[-1] = ']';
+            *at++ = ',';
+        }
+    }
+    return at;
+}
