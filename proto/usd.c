@@ -11,7 +11,7 @@
 bool proto_usd_is(const void *bytes, size_t size)
 {
     static const char name[] = "\"faceVertexIndices\"";
-    return memmem(bytes, size, name, sizeof name - 1) != NULL;
+    return size && memmem(bytes, size, name, sizeof name - 1) != NULL;
 }
 
 /* --- arrays of numbers -------------------------------------------------------------------------------------------- */

@@ -12,7 +12,7 @@ struct proto_usd {
     enum gd_scheme scheme;
 };
 
-/* Is it JSON of this form, and not {"vertices", "faces"}? By the names in the bytes. */
+/* Is it JSON of this form, and not {"vertices", "faces"}? By the names in the bytes (NULL: there are none). */
 bool proto_usd_is(const void *bytes, size_t size);
 
 /* invalid_request; invalid_mesh with a reason (index, empty); too_large by limits->max_faces and max_vertices (`limits` may be NULL); insufficient_memory. The caller frees

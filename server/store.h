@@ -28,7 +28,7 @@ enum server_store_outcome {
     SERVER_STORE_PRECONDITION, /* of the registry: it does not hold; nothing changed */
     SERVER_STORE_NO_MEMORY,    /* nothing changed */
     SERVER_STORE_FULL,         /* no room on the disk; nothing changed */
-    SERVER_STORE_REFUSED,      /* the system refused to open or rename; nothing changed */
+    SERVER_STORE_REFUSED,      /* the system refused to open or rename, or a folder is gone; nothing changed */
     SERVER_STORE_READ_ONLY,    /* an earlier write, or this one, could not be made durable: no more are tried */
     SERVER_STORE_DAMAGED,      /* what is stored is not what was put */
     SERVER_STORE_STALE,        /* another daemon has changed what this rests on; nothing changed */

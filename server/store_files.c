@@ -36,6 +36,12 @@ enum server_store_outcome server_files_outcome(enum server_disk_result result)
     return SERVER_STORE_REFUSED;
 }
 
+/* Of writing a file of the store: one whose folder is not there can't be. */
+static enum server_store_outcome written(enum server_disk_result result)
+{
+    return result == SERVER_DISK_ABSENT ? SERVER_STORE_REFUSED : server_files_outcome(result);
+}
+
 /* --- paths -------------------------------------------------------------------------------------------------------- */
 
 void server_files_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name)
@@ -274,10 +280,10 @@ enum server_store_outcome server_files_write_object(struct server_store_files *f
     server_files_object_path(files, path, object->id);
     temporary_path(files, temporary);
     enum server_disk_result result = server_disk_make_folder(folder);
-    if (result) return server_files_outcome(result);
+    if (result) return written(result);
     result = has_object(files, object) ? server_disk_sync_folder(folder)
                                        : server_disk_write(folder, path, temporary, bytes, (size_t)object->size);
-    return server_files_outcome(result);
+    return written(result);
 }
 
 void server_files_remove_object(const struct server_store_files *files, const char *object)
@@ -331,7 +337,7 @@ enum server_store_outcome server_files_write_manifest(struct server_store_files 
     enum server_disk_result result = put_aside(files, path);
     if (!result) result = server_disk_write(folder, path, temporary, text, size);
     free(text);
-    return server_files_outcome(result);
+    return written(result);
 }
 
 void server_files_settle_manifest(const struct server_store_files *files)
@@ -372,7 +378,7 @@ enum server_store_outcome server_files_load_ballast(struct server_store_files *f
     temporary_path(files, temporary);
     enum server_disk_result result = server_disk_write(files->folder, path, temporary, zeros, BALLAST_BYTES);
     free(zeros);
-    return server_files_outcome(result);
+    return written(result);
 }
 
 bool server_files_drop_ballast(const struct server_store_files *files)

@@ -42,6 +42,9 @@ static bool can_write(struct server_store_local *local)
 static enum server_store_outcome judge(struct server_store_local *local, enum server_store_outcome outcome,
                                        const char *what)
 {
+    if (outcome == SERVER_STORE_REFUSED)
+        server_log_message(SERVER_LOG_ERROR, "store_refused", "%s could not be written (%s): mend the folder", what,
+                           strerror(errno));
     if (outcome != SERVER_STORE_READ_ONLY && outcome != SERVER_STORE_DAMAGED) return outcome;
     server_local_forbid(local, "%s could not be written and made durable (%s): mend the disk and restart", what,
                         outcome == SERVER_STORE_DAMAGED ? server_database_error(local->database) : strerror(errno));

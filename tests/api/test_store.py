@@ -246,6 +246,19 @@ class Damage(Stored):
                 daemon.put(name, file)
             return {name: daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body for name in "ab"}
 
+    def test_a_folder_that_has_gone_is_the_operators_matter(self):
+        with self.start() as daemon:
+            for folder, name in (("manifests", "a"), ("objects", "b")):
+                away = self.folder / (folder + "-away")
+                (self.folder / folder).rename(away)
+                answer = daemon.put(name, SQUARE)
+                self.assertEqual((answer.status, answer.json["code"]), (507, "insufficient_storage"), answer)
+                self.assertIn("tell its operator", answer.json["detail"])
+                self.assertEqual(daemon.get(f"/v1/meshes/{name}").status, 404)
+                away.rename(self.folder / folder)
+                self.assertEqual(daemon.put(name, SQUARE).status, 201)
+            self.assertEqual(len([line for line in daemon.log if line.get("event") == "store_refused" and "No such file" in line["message"]]), 2)
+
     def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
         answers = self.fill()
         sha = json.loads(subprocess.run(["sed", "-n", "s/^description //p", self.folder / "manifests/a.manifest"],

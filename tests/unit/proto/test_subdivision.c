@@ -43,6 +43,7 @@ static void reads_usd(void **state)
                         "\"interpolateBoundary\":\"edgeOnly\",\"subdivisionScheme\":\"loop\"}";
     assert_true(proto_usd_is(text, strlen(text)));
     assert_false(proto_usd_is("{\"vertices\":[],\"faces\":[]}", 25));
+    assert_false(proto_usd_is(NULL, 0));
     assert_true(read(text, NULL, &usd, &problem));
     const struct gd_control_mesh *mesh = &usd.control_mesh;
     assert_true(mesh->polygons.position_count == 5 && mesh->polygons.polygon_count == 2);
