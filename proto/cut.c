@@ -81,7 +81,7 @@ bool proto_cut_decode(const json_t *document, struct proto_cut *out, struct prot
 /* Of a piece; 0: no pieces are wanted. */
 static uint32_t piece_fields(uint32_t fields)
 {
-    return fields & PROTO_CUT_FIELD_PIECES ? PIECE_FIELDS : fields & PIECE_FIELDS;
+    return proto_fields_within(fields, PROTO_CUT_FIELD_PIECES, PIECE_FIELDS);
 }
 
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields)

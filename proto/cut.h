@@ -24,8 +24,8 @@ struct proto_cut {
 bool proto_cut_decode(const json_t *document, struct proto_cut *out, struct proto_problem *problem);
 void proto_cut_free(struct proto_cut *cut); /* leaves an empty one; a second time is harmless */
 
-/* Fields of the answer, as bits of proto_options.fields: its own, of which `pieces` is all of each piece, and those
- * of a piece. */
+/* Fields of the answer, as bits of proto_options.fields: its own, of which `pieces` alone is all of each piece, and
+ * those of a piece. */
 enum proto_cut_field {
     PROTO_CUT_FIELD_SEPARATES = 1 << 0,
     PROTO_CUT_FIELD_PIECES = 1 << 1,

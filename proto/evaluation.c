@@ -64,7 +64,8 @@ void proto_evaluation_free(struct proto_evaluation *evaluation)
 
 uint32_t proto_evaluation_wanted(const struct proto_evaluation *evaluation, const struct proto_options *options)
 {
-    uint32_t wanted = options->fields & PROTO_RESULT_FIELD_RESULTS ? UINT32_MAX : options->fields;
+    uint32_t wanted =
+        proto_fields_within(options->fields, PROTO_RESULT_FIELD_RESULTS, ~(uint32_t)PROTO_RESULT_FIELD_RESULTS);
     if (!evaluation->wants_path) wanted &= ~(uint32_t)PROTO_RESULT_FIELD_PATH;
     if (!evaluation->wants_gradient) wanted &= ~(uint32_t)PROTO_RESULT_FIELD_GRADIENT;
     return wanted;

@@ -24,8 +24,8 @@ bool proto_evaluation_decode_with_set(const json_t *document, struct proto_set *
                                       struct proto_problem *problem);
 void proto_evaluation_free(struct proto_evaluation *evaluation); /* a second time is harmless */
 
-/* Fields of the answer, as bits of proto_options.fields: the answer's own one, which is all of them, and those of each
- * result. */
+/* Fields of the answer, as bits of proto_options.fields: the answer's own one, which alone is all of them, and
+ * those of each result. */
 enum proto_result_field {
     PROTO_RESULT_FIELD_RESULTS = 1 << 0,
     PROTO_RESULT_FIELD_DISTANCE = 1 << 1,

@@ -38,9 +38,9 @@ MEDIA_TYPES = {
     ".woff2": "font/woff2",
 }
 
-# What a page may load: its own files; Swagger UI's style has its icons as data.
+# What a page may load: its own files; Swagger UI's style has its icons as data, and it shows pictures that were answered as blobs.
 PAGE_POLICY = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
-POLICIES = {"/docs/": PAGE_POLICY + "; img-src 'self' data:"}
+POLICIES = {"/docs/": PAGE_POLICY + "; img-src 'self' data: blob:"}
 
 
 # --- the document ---------------------------------------------------------------------------------------------------

@@ -71,18 +71,19 @@ static void encode_normal(struct proto_writer *writer, const struct gd_curvature
 
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uint32_t fields)
 {
+    const uint32_t wanted = proto_fields_within(fields, PROTO_JET_FIELD_POINTS, ~(uint32_t)PROTO_JET_FIELD_POINTS);
     const struct gd_curvature curvature = gd_jet_curvature(jet);
     proto_write_object_begin(writer);
-    encode_vector(writer, "xyz", jet->x, fields & PROTO_JET_FIELD_XYZ);
-    if (fields & PROTO_JET_FIELD_NORMAL) encode_normal(writer, &curvature);
-    encode_vector(writer, "du", jet->u, fields & PROTO_JET_FIELD_DU);
-    encode_vector(writer, "dv", jet->v, fields & PROTO_JET_FIELD_DV);
-    encode_vector(writer, "duu", jet->uu, fields & PROTO_JET_FIELD_DUU);
-    encode_vector(writer, "duv", jet->uv, fields & PROTO_JET_FIELD_DUV);
-    encode_vector(writer, "dvv", jet->vv, fields & PROTO_JET_FIELD_DVV);
+    encode_vector(writer, "xyz", jet->x, wanted & PROTO_JET_FIELD_XYZ);
+    if (wanted & PROTO_JET_FIELD_NORMAL) encode_normal(writer, &curvature);
+    encode_vector(writer, "du", jet->u, wanted & PROTO_JET_FIELD_DU);
+    encode_vector(writer, "dv", jet->v, wanted & PROTO_JET_FIELD_DV);
+    encode_vector(writer, "duu", jet->uu, wanted & PROTO_JET_FIELD_DUU);
+    encode_vector(writer, "duv", jet->uv, wanted & PROTO_JET_FIELD_DUV);
+    encode_vector(writer, "dvv", jet->vv, wanted & PROTO_JET_FIELD_DVV);
     encode_curvature(writer, "gaussian_curvature", curvature.gaussian, curvature.regular,
-                     fields & PROTO_JET_FIELD_GAUSSIAN);
-    encode_curvature(writer, "mean_curvature", curvature.mean, curvature.regular, fields & PROTO_JET_FIELD_MEAN);
+                     wanted & PROTO_JET_FIELD_GAUSSIAN);
+    encode_curvature(writer, "mean_curvature", curvature.mean, curvature.regular, wanted & PROTO_JET_FIELD_MEAN);
     proto_write_object_end(writer);
 }
 

@@ -14,7 +14,7 @@
 bool proto_jets_decode(const json_t *document, const struct gd_parametric *surface, struct proto_uvs *out,
                        struct proto_problem *problem);
 
-/* Fields of the answer, as bits of proto_options.fields: its own one, which is all of them, and those of each point. */
+/* Fields of the answer, as bits of proto_options.fields: its own one, which alone is all of them, and those of each point. */
 enum proto_jet_field {
     PROTO_JET_FIELD_POINTS = 1 << 0,
     PROTO_JET_FIELD_XYZ = 1 << 1,

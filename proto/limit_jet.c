@@ -37,6 +37,8 @@ static void encode_curvatures(struct proto_writer *writer, const struct gd_limit
 
 void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_jet *jet, uint32_t fields)
 {
+    const uint32_t wanted =
+        proto_fields_within(fields, PROTO_LIMIT_JET_FIELD_POINTS, ~(uint32_t)PROTO_LIMIT_JET_FIELD_POINTS);
     const struct {
         const char *key;
         struct gd_vec3 vector;
@@ -47,10 +49,10 @@ void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_j
                    {"dvv", jet->dvv, !jet->singular}};
     proto_write_object_begin(writer);
     for (unsigned i = 0; i < sizeof vectors / sizeof *vectors; i++)
-        if (fields & (PROTO_LIMIT_JET_FIELD_XYZ << i))
+        if (wanted & (PROTO_LIMIT_JET_FIELD_XYZ << i))
             encode_vector(writer, vectors[i].key, vectors[i].vector, vectors[i].is_known);
-    if (fields & PROTO_LIMIT_JET_FIELD_CURVATURES) encode_curvatures(writer, jet);
-    if (jet->singular && fields & PROTO_LIMIT_JET_FIELD_SINGULAR) {
+    if (wanted & PROTO_LIMIT_JET_FIELD_CURVATURES) encode_curvatures(writer, jet);
+    if (jet->singular && wanted & PROTO_LIMIT_JET_FIELD_SINGULAR) {
         proto_write_key(writer, "singular");
         proto_write_bool(writer, true);
     }

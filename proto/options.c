@@ -75,6 +75,12 @@ bool proto_parameters_integer(const struct proto_parameters *parameters, const c
     return true;
 }
 
+static void append_words(struct proto_problem *problem, const char *const *words)
+{
+    for (size_t at = strlen(problem->detail); *words; words++, at = strlen(problem->detail))
+        snprintf(problem->detail + at, sizeof problem->detail - at, " %s", *words);
+}
+
 bool proto_parameters_choice(const struct proto_parameters *parameters, const char *name, const char *const *words,
                              unsigned *out, struct proto_problem *problem)
 {
@@ -86,14 +92,20 @@ bool proto_parameters_choice(const struct proto_parameters *parameters, const ch
         return true;
     }
     proto_problem_refuse(problem, name, "expected one of:");
-    for (size_t at = strlen(problem->detail); *words; words++, at = strlen(problem->detail))
-        snprintf(problem->detail + at, sizeof problem->detail - at, " %s", *words);
+    append_words(problem, words);
     return false;
 }
 
 /* --- the options of every query ----------------------------------------------------------------------------------- */
 
 #define MOST_TIMEOUT_MS UINT64_C(86400000) /* a day: keeps the sum of clock and timeout far from overflow */
+
+static bool refuse_field(struct proto_problem *problem, const char *name, int size, const char *const *names)
+{
+    proto_problem_refuse(problem, "fields", "the answer has no field \"%.*s\"; it has", size, name);
+    append_words(problem, names);
+    return false;
+}
 
 static bool parse_fields(const struct proto_parameters *parameters, const char *const *names, uint32_t *out,
                          struct proto_problem *problem)
@@ -104,15 +116,19 @@ static bool parse_fields(const struct proto_parameters *parameters, const char *
     for (bool more = true; more;) {
         size_t size = strcspn(text, ",");
         unsigned number = find_name(names, text, size);
-        if (number == MOST_NAMES)
-            return proto_problem_refuse(problem, "fields", "the answer has no field \"%.*s\"",
-                                        size < 64 ? (int)size : 64, text);
+        if (number == MOST_NAMES) return refuse_field(problem, text, size < 64 ? (int)size : 64, names);
         fields |= UINT32_C(1) << number;
         more = text[size] == ',';
         text += size + 1;
     }
     *out = fields;
     return true;
+}
+
+uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members)
+{
+    uint32_t named = fields & members;
+    return !named && fields & whole ? members : named;
 }
 
 static bool parse_geometry(const struct proto_parameters *parameters, enum proto_geometry *out,

@@ -43,6 +43,10 @@ struct proto_options {
     uint64_t timeout_ms; /* 0: not said; not yet capped */
 };
 
+/* Of the fields that are wanted, those of `members`, which are parts of the field `whole`: all of them where it alone is named; 0: none is
+ * wanted. */
+uint32_t proto_fields_within(uint32_t fields, uint32_t whole, uint32_t members);
+
 /* Reads the options that all queries have in common and refuses every other parameter but the query's own `names`
  * (NULL-terminated; NULL: it has none). `fields`: the names of the answer's top-level fields (NULL-terminated, at most
  * 32); NULL: the answer is no JSON, and timeout_ms the only option. invalid_request with the parameter. */

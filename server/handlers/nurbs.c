@@ -48,15 +48,12 @@ static enum server_query_turn solve_evaluate(struct server_query *query, struct 
 {
     struct evaluating *evaluating = (struct evaluating *)query;
     struct proto_writer *writer = &evaluating->draft.writer;
-    enum gd_status status = GD_OK;
     server_draft_begin(&evaluating->draft, query);
     proto_write_object_begin(writer);
-    if (query->options.fields & PROTO_JET_FIELD_POINTS) {
-        proto_write_key(writer, "points");
-        proto_write_array_begin(writer);
-        status = write_jets(evaluating);
-        proto_write_array_end(writer);
-    }
+    proto_write_key(writer, "points");
+    proto_write_array_begin(writer);
+    enum gd_status status = write_jets(evaluating);
+    proto_write_array_end(writer);
     proto_write_object_end(writer);
     if (status) return server_query_fail(query, status, "the answer", problem);
     return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;

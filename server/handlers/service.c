@@ -16,6 +16,7 @@ static void reply_asset(struct server_exchange *exchange, const char *path)
         server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND, "this build of the program holds no %s", path);
 }
 
+/* A page's parameters are for its scripts. */
 void server_handle_get_viewer(struct server_exchange *exchange)
 {
     reply_asset(exchange, "/");
@@ -23,7 +24,7 @@ void server_handle_get_viewer(struct server_exchange *exchange)
 
 void server_handle_get_openapi(struct server_exchange *exchange)
 {
-    reply_asset(exchange, "/openapi.json");
+    if (server_request_is_plain(exchange)) reply_asset(exchange, "/openapi.json");
 }
 
 static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health,
@@ -37,7 +38,7 @@ static void reply_health(struct server_exchange *exchange, unsigned status, enum
 
 void server_handle_get_livez(struct server_exchange *exchange)
 {
-    reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
+    if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
 }
 
 /* A store that takes no changes leaves the daemon ready, since queries are answered as before; so does a shared one that is out of
@@ -45,6 +46,7 @@ void server_handle_get_livez(struct server_exchange *exchange)
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->server->registry);
+    if (!server_request_is_plain(exchange)) return;
     if (atomic_load(&exchange->server->draining)) {
         server_reply_header(exchange, "Retry-After", "1");
         reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
@@ -58,6 +60,7 @@ void server_handle_get_readyz(struct server_exchange *exchange)
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     struct proto_writer writer;
+    if (!server_request_is_plain(exchange)) return;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     server_metrics_write(exchange->server->metrics, exchange->server, &writer);
     server_reply_text(exchange, 200, "text/plain; version=0.0.4; charset=utf-8", &writer);

@@ -85,10 +85,9 @@ static enum server_query_turn solve_evaluate(struct server_query *query, struct 
 {
     struct evaluating *evaluating = (struct evaluating *)query;
     struct proto_writer *writer = &evaluating->draft.writer;
-    enum gd_status status = GD_OK;
     server_draft_begin(&evaluating->draft, query);
     proto_write_object_begin(writer);
-    if (query->options.fields & PROTO_LIMIT_JET_FIELD_POINTS) status = write_jets(evaluating);
+    enum gd_status status = write_jets(evaluating);
     proto_write_object_end(writer);
     if (status) return server_subdivision_fail(query, status, &evaluating->detail, "the answer", problem);
     return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;

@@ -111,6 +111,7 @@ REQUESTS = [
     ("limit that is no number", "GET", ROOT + "?limit=many", None, {}, *INVALID),
     ("unknown parameter of a list", "GET", ROOT + "?page=2", None, {}, *INVALID),
     ("unknown parameter of the service", "GET", "/v1?x=1", None, {}, *INVALID),
+    *((f"unknown parameter of {path}", "GET", path + "?x=1", None, {}, *INVALID) for path in ("/livez", "/readyz", "/metrics", "/openapi.json")),
     ("missing point", "GET", DISTANCE + "?from=v:0", None, {}, *INVALID),
     ("point without a form", "GET", DISTANCE + "?from=0&to=v:1", None, {}, *INVALID),
     ("point with rubbish behind it", "GET", DISTANCE + "?from=v:0x&to=v:1", None, {}, *INVALID),

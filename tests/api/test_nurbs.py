@@ -211,6 +211,8 @@ class Evaluation(Nurbs):
     def test_fields(self):
         answer = self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?fields=points,xyz,du")
         self.assertEqual(answer, {"points": [{"xyz": [0, 0, 0], "du": [1, 0, 0]}, {"xyz": [1, 1, 1], "du": [1, 0, 1]}]})
+        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[0, 0], [1, 1]]}, "?fields=xyz,du"), answer)
+        self.assertEqual(self.ask("saddle", "evaluate", {"uv": [[1, 0]]}, "?fields=points"), self.ask("saddle", "evaluate", {"uv": [[1, 0]]}))
 
     def test_places_that_can_not_be(self):
         problem = self.refusal("saddle", "evaluate", {"uv": [[0, 0], [0.5, 1.5]]}, 422, "point_not_on_surface")

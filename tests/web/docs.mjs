@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { PHONE } from "./browser.mjs";
 
 const METHODS = ["head", "get", "put", "post", "delete"];
-const ONE_EACH = ["get_livez", "put_mesh", "get_path", "post_distance", "put_nurbs", "post_subdivision_trace"];
+const ONE_EACH = ["get_livez", "put_mesh", "get_path", "get_picture_png", "post_distance", "put_nurbs", "post_subdivision_trace"];
 const ENDLESS = new Set(["get_job_events"]); /* streams, which the page shows when they end */
 
 async function open(browser, window) {

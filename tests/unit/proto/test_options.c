@@ -90,6 +90,20 @@ static void lists_what_it_would_take(void **state)
     struct proto_parameters parameters = QUERY("geometry", "round");
     assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
     assert_string_equal(problem.detail, "expected one of: full xyz none");
+    parameters = QUERY("fields", "to,path");
+    assert_false(proto_options_parse(&parameters, fields, NULL, &options, &problem));
+    assert_string_equal(problem.detail, "the answer has no field \"path\"; it has distance from to");
+}
+
+static void a_whole_alone_is_all_of_its_parts(void **state)
+{
+    (void)state;
+    enum { OTHER = 1, WHOLE = 2, PARTS = 4 | 8 };
+    assert_int_equal(proto_fields_within(OTHER | WHOLE | PARTS, WHOLE, PARTS), PARTS);
+    assert_int_equal(proto_fields_within(OTHER | WHOLE, WHOLE, PARTS), PARTS);
+    assert_int_equal(proto_fields_within(WHOLE | 8, WHOLE, PARTS), 8);
+    assert_int_equal(proto_fields_within(4, WHOLE, PARTS), 4);
+    assert_int_equal(proto_fields_within(OTHER, WHOLE, PARTS), 0);
 }
 
 static void refuses_repeated_parameters(void **state)
@@ -139,6 +153,7 @@ int main(void)
         cmocka_unit_test(refuses_bad_values),
         cmocka_unit_test(an_answer_without_fields_has_none_to_choose),
         cmocka_unit_test(lists_what_it_would_take),
+        cmocka_unit_test(a_whole_alone_is_all_of_its_parts),
         cmocka_unit_test(refuses_repeated_parameters),
         cmocka_unit_test(requires_values),
         cmocka_unit_test(leaves_what_is_absent),
