@@ -44,6 +44,8 @@ export interface CallOptions {
   headers?: Record<string, string>;
   onProgress?: OnProgress;
   signal?: AbortSignal;
+  /** false: it makes something new each time, as POST /v1/batches does, so it is not sent again when its connection fails */
+  repeatable?: boolean;
 }
 
 export interface QueryOptions {
@@ -100,6 +102,8 @@ export class Field extends Resource {
   readonly farthest: types.PointAnswer | null;
   /** The distance at each vertex, NaN where there is none. */
   values(): Promise<Float64Array>;
+  /** The mesh with the distance at each vertex, as a file: glb has it as colours, csv as rows. */
+  file(format?: "ply" | "glb" | "csv"): Promise<ArrayBuffer>;
   /** The distance at each point, null where there is none. */
   distances(points: readonly PointLike[]): Promise<(number | null)[]>;
   isolines(levels: readonly number[], tolerance?: number): Promise<types.IsolinesAnswer["isolines"]>;
@@ -111,6 +115,15 @@ export class Mesh extends Surface<types.MeshQueries> {
   distance(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<number | null>;
   /** A shortest path; null if there is none. */
   path(from: PointLike, to: PointLike, options?: { via?: readonly PointLike[]; signal?: AbortSignal }): Promise<Path | null>;
+  /** A shortest path as a file; svg: the faces that it runs through, laid flat. `mesh`: with its mesh, of obj and glb. */
+  pathFile(
+    from: PointLike,
+    to: PointLike,
+    format?: "obj" | "glb" | "csv" | "svg",
+    options?: { via?: readonly PointLike[]; mesh?: boolean; signal?: AbortSignal },
+  ): Promise<ArrayBuffer>;
+  /** A rendered picture; the query as the contract has it, points in compact form: { source: "v:12", view: "iso" }. */
+  picture(form?: "png" | "svg", query?: Record<string, string | number | boolean | undefined>): Promise<ArrayBuffer>;
   nearest(point: PointLike): Promise<types.PointAnswer>;
   /** A row per source, NaN where there is no distance. */
   matrix(
@@ -120,7 +133,8 @@ export class Mesh extends Surface<types.MeshQueries> {
   ): Promise<Float64Array[]>;
   /** The same request gives the same field again. */
   field(sources: SetLike, options?: { maxDistance?: number; onProgress?: OnProgress }): Promise<Field>;
-  content(format?: "obj" | "ply" | "off" | "stl" | "glb" | "gltf"): Promise<string>;
+  content(format?: "obj" | "off" | "gltf"): Promise<string>;
+  content(format: "ply" | "stl" | "glb"): Promise<ArrayBuffer>;
 }
 
 export class Client {

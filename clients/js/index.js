@@ -3,6 +3,7 @@
 const BACKOFF_MS = 100; // before the first retry; twice as long before each next one
 const BACKOFF_MOST_MS = 10000;
 const FLOATS = "application/octet-stream";
+const TEXTS = ["obj", "off", "gltf"]; // of the formats of meshes
 
 /* Any failure of a call. */
 export class GeodesicError extends Error {
@@ -220,6 +221,10 @@ export class Field extends Resource {
     return readFloats(await this.client.call("GET", `${this.location}/values`, { headers: { Accept: FLOATS } }));
   }
 
+  async file(format = "ply") {
+    return (await this.client.call("GET", `${this.location}/values`, { query: { format } })).arrayBuffer();
+  }
+
   async distances(points) {
     const { results } = await this.query("evaluate", { points: points.map(toPoint) }, { fields: "distance" });
     return results.map((result) => result.distance);
@@ -248,6 +253,15 @@ export class Mesh extends Surface {
     return path ?? null;
   }
 
+  async pathFile(from, to, format = "obj", { via, mesh, signal } = {}) {
+    const call = { query: { format, mesh }, body: this.#ends(from, to, via), signal };
+    return (await this.client.call("POST", `${this.location}/path`, call)).arrayBuffer();
+  }
+
+  async picture(form = "png", query = {}) {
+    return (await this.client.call("GET", `${this.location}/picture.${form}`, { query })).arrayBuffer();
+  }
+
   async nearest(point) {
     return this.query("nearest", { point: toPoint(point) });
   }
@@ -264,7 +278,8 @@ export class Mesh extends Surface {
   }
 
   async content(format = "obj") {
-    return (await this.client.call("GET", `${this.location}/content`, { query: { format } })).text();
+    const response = await this.client.call("GET", `${this.location}/content`, { query: { format } });
+    return TEXTS.includes(format) ? response.text() : response.arrayBuffer();
   }
 }
 
@@ -284,13 +299,13 @@ export class Client {
     }
   }
 
-  async #request(method, target, init) {
+  async #request(method, target, init, repeatable) {
     for (let attempt = 0; ; attempt++) {
       let response;
       try {
         response = await this.#fetch(target, { ...init, method });
       } catch (error) {
-        if (!(error instanceof ConnectionFailed) || attempt >= this.retries) throw error;
+        if (!(error instanceof ConnectionFailed) || !repeatable || attempt >= this.retries) throw error;
       }
       const isBusy = !response || response.status === 429 || response.status === 503;
       if (!isBusy || attempt >= this.retries) return response;
@@ -299,14 +314,14 @@ export class Client {
     }
   }
 
-  async call(method, path, { query, body, headers = {}, onProgress, signal } = {}) {
+  async call(method, path, { query, body, headers = {}, onProgress, signal, repeatable = true } = {}) {
     if (onProgress) return (await (await this.submit(method, path, { query, body, headers, signal })).wait(onProgress)).response();
     const sent = { ...this.headers, ...headers };
     if (body !== undefined && !isBytes(body)) {
       body = JSON.stringify(body);
       sent["Content-Type"] ??= "application/json";
     }
-    const response = await this.#request(method, path + toQuery(query), { body, headers: sent, signal });
+    const response = await this.#request(method, path + toQuery(query), { body, headers: sent, signal }, repeatable);
     if (response.status >= 400) throw await problemOf(response);
     return response;
   }

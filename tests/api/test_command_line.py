@@ -53,6 +53,8 @@ class CommandLine(TestCase):
         self.assertEqual(self.geodesic("distance", "square", "v:1", "v:3", "--via", "v:0"), "2\n")
         self.assertEqual(self.geodesic("path", "square", "v:0", "v:1"), "0 0 0\n1 0 0\n")
         self.assertEqual(self.geodesic("path", "square", "v:0", "v:1", "--obj"), "v 0 0 0\nv 1 0 0\nl 1 2\n")
+        self.assertEqual(len(self.geodesic("path", "square", "v:0", "v:2", "--format", "csv").splitlines()), 3)
+        self.assertEqual(len(self.geodesic("field", "square", "v:0", "--format", "csv").splitlines()), 5)
         self.assertEqual(self.geodesic("field", "square", "v:0", "v:1"), "vertex,distance\n0,0.0\n1,0.0\n2,1.0\n3,1.0\n")
         self.assertRegex(self.geodesic("matrix", "square", "v:0", "v:1"), r"^ +v:0 +v:1\nv:0 +0.0 +1.0\nv:1 +1.0 +0.0\n$")
         self.assertIn("vertex: 2", self.geodesic("nearest", "square", "p:2,2,0"))

@@ -75,6 +75,9 @@ class JavaScriptClient(TestCase):
             for await (const mesh of client.meshes()) names.push(mesh.name);
             assert(names.includes("square") && names.includes(triangle.name));
             assert.match(await square.content(), /^f 1 2 3$/m);
+            const start = (buffer) => Buffer.from(buffer).toString("latin1", 0, 4);
+            assert.deepEqual([start(await square.content("glb")), start(await square.picture("png", { source: "v:0", size: "64x64" }))], ["glTF", "\\x89PNG"]);
+            assert.deepEqual([start(await (await square.field(0)).file()), start(await square.pathFile(0, 2, "svg"))], ["ply\\n", "<svg"]);
         """)
 
     def test_jobs(self):
@@ -93,6 +96,9 @@ class JavaScriptClient(TestCase):
         with scenario.busy((503, {"Retry-After": "0"}, {}), (429, {}, {}), (0, {}, {})) as (server, url):
             self.run_script('assert.deepEqual(await client.service(), { version: "1" });', url)
             self.assertEqual(len(server.seen), 4)
+        with scenario.busy((429, {"Retry-After": "0"}, {}), (0, {}, {})) as (server, url):
+            self.run_script('await assert.rejects(client.call("POST", "/v1/batches", { body: {}, repeatable: false }), geodesicd.ConnectionFailed);', url)
+            self.assertEqual(len(server.seen), 2)
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
             self.assertEqual(len(server.seen), 4)

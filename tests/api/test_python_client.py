@@ -55,6 +55,10 @@ class Meshes(TestCase):
         self.assertAlmostEqual(path.length, 2**0.5)
         self.assertEqual((path.points[0], path.points[-1]), ((1, 0, 0), (0, 1, 0)))
         self.assertAlmostEqual(self.square.distance(1, 3, via=[0]), 2)
+        self.assertEqual(len(self.square.path_file(1, 3, via=[0], format="csv").splitlines()), 4)
+        self.assertIn(b"<svg", self.square.path_file(1, 3, format="svg"))
+        self.assertNotIn(b"\nf ", self.square.path_file(1, 3))
+        self.assertIn(b"\nf ", self.square.path_file(1, 3, mesh=True))
 
     def test_what_has_no_path(self):
         islands = self.client.upload("islands", ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]], [[0, 1, 2], [3, 4, 5]]))
@@ -73,6 +77,8 @@ class Meshes(TestCase):
         self.assertIn("gradient", field.evaluate([2], gradient=True)[0])
         self.assertEqual(len(field.isolines([0.5])), 1)
         self.assertEqual(self.square.field([0, 1]).id, field.id)
+        self.assertEqual((field.file()[:4], field.file("glb")[:4]), (b"ply\n", b"glTF"))
+        self.assertEqual(len(field.file("csv").splitlines()), 5)
         field.delete()
         with self.assertRaises(geodesicd.NotFound):
             field.describe()
@@ -163,6 +169,12 @@ class Patience(unittest.TestCase):
         with scenario.busy(self.OVERLOADED, (429, {}, {}), (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
             self.assertEqual(client.service(), {"version": "1"})
             self.assertEqual(len(server.seen), 4)
+
+    def test_what_makes_something_new_each_time_is_sent_once(self):
+        with scenario.busy(self.OVERLOADED, (0, {}, {})) as (server, url), geodesicd.Client(url) as client:
+            with self.assertRaises(geodesicd.ConnectionFailed):
+                client.create_batch({"query": "fields"})
+            self.assertEqual(len(server.seen), 2)  # again where it was turned away, not where it may have arrived
 
     def test_it_waits_as_long_as_it_is_told(self):
         with scenario.busy((503, {"Retry-After": "1"}, {})) as (server, url), geodesicd.Client(url) as client:

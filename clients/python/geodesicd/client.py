@@ -105,6 +105,10 @@ class Field(Resource):
         """The distance at each vertex, NaN where there is none: a numpy array, or an array.array("d")."""
         return _floats(self.client.call("GET", self.location + "/values", headers={"Accept": FLOATS}).body)
 
+    def file(self, format: str = "ply") -> bytes:
+        """The mesh with the distance at each vertex, as a file: ply, glb (as colours) or csv (a row per vertex)."""
+        return self.client.call("GET", self.location + "/values", {"format": format}).body
+
     def distances(self, at: Sequence[PointLike]) -> List[Optional[float]]:
         """The distance at each point; None where there is none."""
         results = self.query("evaluate", {"points": points.all_as_json(at)}, fields="distance")["results"]
@@ -137,6 +141,11 @@ class Mesh(Surface):
         """A shortest path; None if there is none."""
         answer = self.query("path", self._ends(start, end, via), fields="path", geometry="xyz")
         return Path.read(answer["path"]) if answer.get("path") else None
+
+    def path_file(self, start: PointLike, end: PointLike, via: Sequence[PointLike] = (), format: str = "obj", mesh: bool = False) -> bytes:
+        """A shortest path as a file: obj, glb, csv, or svg (the faces that it runs through, laid flat); of obj and glb with its mesh, if wanted."""
+        query = {"format": format, "mesh": mesh or None}
+        return self.client.call("POST", self.location + "/path", query, self._ends(start, end, via)).body
 
     @staticmethod
     def _ends(start: PointLike, end: PointLike, via: Sequence[PointLike]) -> Dict[str, Any]:
@@ -205,10 +214,11 @@ class Client:
     # --- calls -----------------------------------------------------------------------------------------------------------
 
     def call(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
-             headers: Optional[Mapping[str, str]] = None, progress: Optional[Progress] = None) -> Response:
-        """Any request; with `progress` as a job that is awaited."""
+             headers: Optional[Mapping[str, str]] = None, progress: Optional[Progress] = None, repeatable: bool = True) -> Response:
+        """Any request; with `progress` as a job that is awaited. What is not repeatable, as it makes something new each time, is not sent again when
+        its connection fails: ConnectionFailed, and it may have been done."""
         if progress is None:
-            return self.transport.request(method, path, query, body, headers)
+            return self.transport.request(method, path, query, body, headers, repeatable)
         return self.submit(method, path, query, body, headers).wait(progress).response()
 
     def submit(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Any = None,
@@ -240,8 +250,9 @@ class Client:
 
     def create_batch(self, request: Mapping[str, Any]) -> Dict[str, Any]:
         """Begins work of many sources, which outlives this client and the daemon: {"query": "all-pairs", "mesh", "vertices"} or {"query": "fields",
-        "meshes", "set"}, as the contract has it. The batch: its `id`, `state` (running, done, cancelled), `items`, `done`, `failed`, `progress`."""
-        return self.call("POST", "/v1/batches", None, dict(request)).json
+        "meshes", "set"}, as the contract has it. The batch: its `id`, `state` (running, done, cancelled), `items`, `done`, `failed`, `progress`. After
+        ConnectionFailed it may have begun all the same: GET /v1/batches lists those that have (`pages`)."""
+        return self.call("POST", "/v1/batches", None, dict(request), repeatable=False).json
 
     def batch(self, id: str) -> Dict[str, Any]:
         """How far it is."""

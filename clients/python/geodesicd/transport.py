@@ -67,8 +67,9 @@ class Transport:
             connection.close()
 
     def request(self, method: str, path: str, query: Optional[Mapping[str, Any]] = None, body: Union[bytes, Any, None] = None,
-                headers: Optional[Mapping[str, str]] = None) -> Response:
-        """The answer, or the exception of its problem. A body that is no bytes is sent as JSON; values of None in the query are left out."""
+                headers: Optional[Mapping[str, str]] = None, repeatable: bool = True) -> Response:
+        """The answer, or the exception of its problem. A body that is no bytes is sent as JSON; values of None in the query are left out. What is not
+        repeatable makes something new each time: it is not sent again when its connection fails, as it may have arrived."""
         fields = {name: _parameter(value) for name, value in (query or {}).items() if value is not None}
         target = self._parts.path * (self._parts.scheme != "unix") + path + ("?" + urllib.parse.urlencode(fields) if fields else "")
         sent = {**self._headers, **(headers or {})}
@@ -76,10 +77,13 @@ class Transport:
             body = json.dumps(body, allow_nan=False).encode()
             sent.setdefault("Content-Type", "application/json")
         for attempt in range(self.retries + 1):
+            connection = None
             try:
-                response = self._exchange(method, target, body, sent)
+                connection = self._take() if repeatable else self._open()
+                response = self._exchange(connection, method, target, body, sent)
             except (OSError, http.client.HTTPException) as error:
-                if attempt == self.retries or isinstance(error, (TimeoutError, socket.timeout, ssl.SSLCertVerificationError)):
+                may_have_arrived = connection is not None and not repeatable
+                if attempt == self.retries or may_have_arrived or isinstance(error, (TimeoutError, socket.timeout, ssl.SSLCertVerificationError)):
                     raise ConnectionFailed(f"no answer from {self.url}: {error or type(error).__name__}") from error
                 self._wait(attempt, None)
                 continue
@@ -122,14 +126,18 @@ class Transport:
         with self._lock:
             if self._idle:
                 return self._idle.pop()
+        return self._open()
+
+    def _open(self) -> http.client.HTTPConnection:
+        """One that is new, which the daemon has had no time to close."""
         connection = self._connect()
         connection.connect()
         if self._parts.scheme != "unix":
             connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return connection
 
-    def _exchange(self, method: str, target: str, body: Optional[bytes], headers: Dict[str, str]) -> Response:
-        connection = self._take()
+    def _exchange(self, connection: http.client.HTTPConnection, method: str, target: str, body: Optional[bytes],
+                  headers: Dict[str, str]) -> Response:
         try:
             connection.request(method, target, body=body, headers=headers)
             answer = connection.getresponse()
