@@ -1,5 +1,5 @@
 # geodesicd: exact geodesics on surfaces, as a network service.
-# `make help` lists the targets. Everything that is built goes into $(BUILD).
+# `make help` lists the targets. Everything that is built goes into $(BUILD); V=1 shows the commands that do it.
 
 BUILD   ?= build
 export GEODESICD ?= $(abspath $(BUILD)/geodesicd)
@@ -25,6 +25,9 @@ SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$
 BENCH_C   := $(filter-out tests/bench/http_bare.c,$(wildcard tests/bench/*.c))
 
 objects = $(patsubst %,$(BUILD)/obj/%.o,$(1))
+
+# Before a command that makes a file: tells, in its place, its short name and the file (of compilers the source). V=1: the command.
+tell = $(if $(filter-out 0,$(V)),,@printf '  %-3s  %s\n' $(1) $(or $(2),$@);)
 
 LIB_ENGINE  := $(BUILD)/libgd.a
 LIB_PROTO   := $(BUILD)/libgd_proto.a
@@ -179,7 +182,7 @@ $(LIB_CLIENT): $(call objects,$(filter-out %/example.c,$(wildcard clients/c/*.c)
 
 %.a:
 	@rm -f $@
-	$(AR) rcs $@ $(filter %.o,$^)
+	$(call tell,AR)$(AR) rcs $@ $(filter %.o,$^)
 
 # One source, compiled for several machines; the daemon chooses when it starts (engine/wedge/cpu.c).
 ifneq ($(filter x86_64%,$(shell $(CC) -dumpmachine 2>/dev/null)),)
@@ -190,23 +193,23 @@ endif
 
 $(BUILD)/obj/%.c.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call tell,CC,$<)$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/obj/%.cc.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+	$(call tell,CXX,$<)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/obj/generated/%.o: $(BUILD)/generated/%.c
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) -Iserver $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call tell,CC,$<)$(CC) $(CPPFLAGS) -Iserver $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # --- programs ----------------------------------------------------------------------------------------------------------
 
 $(BUILD)/geodesicd: $(BUILD)/obj/server/main.c.o $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
 $(BUILD)/gd_bench: $(call objects,$(BENCH_C)) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
 # The sweep compares with CGAL where libcgal-dev is installed; without it the program says so and skips.
 SWEEP_SHARED := $(or $(GEODESICD_SHARED),../shared)/meshes
@@ -215,38 +218,38 @@ SWEEP_SHORT  := icosphere:level=3 terrain:cells=32 torus genus2:cells=4 tangle:f
 
 $(BUILD)/obj/tests/oracle/cgal_distances.cc.o: CXXFLAGS += -frounding-math
 $(BUILD)/gd_sweep: $(call objects,$(wildcard tests/oracle/cgal_*.c tests/oracle/cgal_*.cc)) $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) -lcmocka
 
 $(BUILD)/gd_bench_cgal: $(call objects,tests/bench/peer_cgal.cc $(patsubst %,tests/bench/%.c,peer options input alter measure) \
                           tests/oracle/cgal_distances.cc tests/oracle/cgal_polyline.c) $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
 # Needs its source and, in its folder `build`, its library, made with -O3 for this machine.
 $(BUILD)/obj/tests/bench/peer_geometry_central.cc.o: CXXFLAGS += -march=native -Wno-shadow -isystem $(GEOMETRY_CENTRAL)/include \
     -isystem $(GEOMETRY_CENTRAL)/deps/happly -isystem $(GEOMETRY_CENTRAL)/deps/nanoflann/include -isystem $(or $(EIGEN),/usr/include/eigen3)
 $(BUILD)/gd_bench_geometry_central: $(call objects,tests/bench/peer_geometry_central.cc $(patsubst %,tests/bench/%.c,peer options input alter measure)) \
                                     $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(GEOMETRY_CENTRAL)/build/src/libgeometry-central.a $(ENGINE_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(GEOMETRY_CENTRAL)/build/src/libgeometry-central.a $(ENGINE_LIBS)
 
 $(BUILD)/gd_http_bare: $(BUILD)/obj/tests/bench/http_bare.c.o
-	$(CC) $(LDFLAGS) -o $@ $^ -lmicrohttpd
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ -lmicrohttpd
 
 # The engine whose calls of malloc and its kin fail on order (tests/fault/allocator.h).
 WRAPPED := malloc calloc realloc aligned_alloc posix_memalign free mmap munmap mremap
 $(BUILD)/gd_alloc: $(call objects,$(patsubst %,tests/fault/%.c,alloc_engine allocator) $(wildcard tests/fault/operations*.c)) \
                    $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_PROTO) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) -o $@ $^ $(ENGINE_LIBS) -ljansson -lcmocka
+	$(call tell,LD)$(CXX) $(LDFLAGS) $(foreach name,$(WRAPPED),-Wl,--wrap=$(name)) -o $@ $^ $(ENGINE_LIBS) -ljansson -lcmocka
 
 # What overload.py asks with.
 $(BUILD)/gd_load: $(BUILD)/obj/tests/fault/load.c.o
-	$(CC) $(LDFLAGS) -o $@ $^
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^
 
 $(BUILD)/gd_sample: $(BUILD)/obj/tests/samples/main.c.o $(LIB_SAMPLES) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS)
 
 $(call program,$(TEST_ENGINE)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_ENGINE)
 	@mkdir -p $(@D)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(TEST_LIBS) -lcmocka
 
 # Limit surfaces are compared with OpenSubdiv's where libosd-dev is installed; without it the tests skip.
 $(BUILD)/obj/tests/oracle/opensubdiv.cc.o: CXXFLAGS += -Wno-shadow # C's functions and structs may share a name
@@ -255,17 +258,17 @@ $(BUILD)/tests/oracle/test_opensubdiv: TEST_LIBS = $(shell $(CXX) -include opens
 
 $(call program,$(TEST_SERVER)): $(BUILD)/%: $(BUILD)/obj/%.c.o $(LIB_SUPPORT) $(LIB_SAMPLES) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
 	@mkdir -p $(@D)
-	$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
+	$(call tell,LD)$(CXX) $(LDFLAGS) -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS) -lcmocka
 
 man: $(BUILD)/geodesicd.8 ## the man page geodesicd(8), of the program's own options
 $(BUILD)/geodesicd.8: server/doc/manual.py $(BUILD)/geodesicd
-	server/doc/manual.py $(BUILD)/geodesicd > $@
+	$(call tell,GEN)server/doc/manual.py $(BUILD)/geodesicd > $@
 
 $(BUILD)/gd_client_scenario: $(call objects,tests/api/scenario.c) $(LIB_CLIENT)
-	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
 
 $(BUILD)/gd_client_example: $(call objects,clients/c/example.c) $(LIB_CLIENT)
-	$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
+	$(call tell,LD)$(CC) $(LDFLAGS) -o $@ $^ $(CLIENT_LIBS)
 
 include docker/packages.mk
 
@@ -273,7 +276,7 @@ include docker/packages.mk
 
 $(BUILD)/generated/routes.c: proto/openapi.yaml proto/generate.py
 	@mkdir -p $(@D)
-	python3 proto/generate.py routes proto/openapi.yaml > $@
+	$(call tell,GEN)python3 proto/generate.py routes proto/openapi.yaml > $@
 
 # The pages are built by npm's packages, once for all builds below $(BUILD) (clients/web/build.sh). VIEWER=no: a page that says that they are missing.
 VIEWER ?= yes
@@ -299,7 +302,7 @@ $(BUILD)/generated/pages-$(VIEWER):
 
 $(BUILD)/generated/assets.c: proto/openapi.yaml proto/generate.py $(PAGES) $(BUILD)/generated/pages-$(VIEWER)
 	@mkdir -p $(@D)
-	python3 proto/generate.py assets proto/openapi.yaml $(dir $(PAGES)) > $@
+	$(call tell,GEN)python3 proto/generate.py assets proto/openapi.yaml $(dir $(PAGES)) > $@
 
 # --- fuzzing: clang's libFuzzer with both sanitizers; each target starts from its corpus -------------------------------------------------------
 
@@ -321,7 +324,7 @@ fuzz-build:
 	    $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))
 
 $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/reader.c tests/fuzz/patched.c tests/fuzz/promise.c) $(LIB_SERVER) $(LIB_PROTO) $(LIB_ENGINE)
-	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
+	$(call tell,LD)$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(ENGINE_LIBS) $(SERVER_LIBS)
 
 # By another name, so that make -n does not run the line that has it.
 SELF := $(MAKE)

@@ -37,7 +37,7 @@ uninstall: ## remove what install has installed
 
 $(BUILD)/geodesic.1: clients/cli/manual.py clients/cli/geodesic $(wildcard clients/python/geodesicd/*.py)
 	@mkdir -p $(@D)
-	clients/cli/manual.py clients/cli/geodesic > $@
+	$(call tell,GEN)clients/cli/manual.py clients/cli/geodesic > $@
 
 # Written anew each time, since PREFIX may have changed.
 VERSION = $$(sed -n 's/^  version: *//p' proto/openapi.yaml | head -n 1)
