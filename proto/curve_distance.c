@@ -5,6 +5,7 @@
 
 #include "proto/decode.h"
 #include "proto/evaluation.h"
+#include "proto/member.h"
 #include "proto/path.h"
 
 const char *const proto_curve_distance_fields[] = {"distance", "reason", "closest",  "path",
@@ -53,10 +54,8 @@ static void encode_place(struct proto_writer *writer, const char *key, const str
     proto_write_object_begin(writer);
     proto_write_key(writer, "point");
     proto_point_encode(writer, mesh, &place->point, NAN);
-    proto_write_key(writer, "parameter");
-    proto_write_number(writer, place->parameter);
-    proto_write_key(writer, "angle");
-    proto_write_number(writer, place->angle);
+    proto_member_number(writer, "parameter", place->parameter);
+    proto_member_number(writer, "angle", place->angle);
     proto_write_object_end(writer);
 }
 
@@ -80,10 +79,7 @@ static void encode_places(struct proto_writer *writer, const char *key, const st
 
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t fields)
 {
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, distance);
-    }
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_DISTANCE) proto_member_number(writer, "distance", distance);
     if (fields & (PROTO_CURVE_DISTANCE_FIELD_DISTANCE | PROTO_CURVE_DISTANCE_FIELD_REASON))
         proto_reason_encode(writer, distance);
 }
@@ -115,14 +111,8 @@ void proto_hausdorff_encode(struct proto_writer *writer, const struct gd_mesh *m
     const struct gd_curve_distance *greatest = from_a->distance > from_b->distance ? from_a : from_b;
     proto_write_object_begin(writer);
     encode_distance(writer, greatest->distance, fields);
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_A_TO_B) {
-        proto_write_key(writer, "a_to_b");
-        proto_write_number(writer, from_a->distance);
-    }
-    if (fields & PROTO_CURVE_DISTANCE_FIELD_B_TO_A) {
-        proto_write_key(writer, "b_to_a");
-        proto_write_number(writer, from_b->distance);
-    }
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_A_TO_B) proto_member_number(writer, "a_to_b", from_a->distance);
+    if (fields & PROTO_CURVE_DISTANCE_FIELD_B_TO_A) proto_member_number(writer, "b_to_a", from_b->distance);
     if (fields & PROTO_CURVE_DISTANCE_FIELD_FARTHEST) {
         proto_write_key(writer, "farthest");
         proto_write_object_begin(writer);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/path.h"
 
 const char *const proto_curve_operation_fields[] = {"path", "points", "turn", "rounds", "geodesic", "paths", NULL};
@@ -126,8 +127,7 @@ static void encode_curve(struct proto_writer *writer, const struct gd_mesh *mesh
                          enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, gd_curve_length(mesh, curve));
+    proto_member_number(writer, "length", gd_curve_length(mesh, curve));
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
         proto_write_array_begin(writer);
@@ -149,18 +149,9 @@ static void encode_points(struct proto_writer *writer, const struct gd_mesh *mes
 
 static void encode_shortening(struct proto_writer *writer, const struct proto_curve_result *result, uint32_t fields)
 {
-    if (fields & PROTO_CURVE_OPERATION_FIELD_TURN) {
-        proto_write_key(writer, "turn");
-        proto_write_number(writer, result->turn);
-    }
-    if (fields & PROTO_CURVE_OPERATION_FIELD_ROUNDS) {
-        proto_write_key(writer, "rounds");
-        proto_write_uint(writer, result->rounds);
-    }
-    if (fields & PROTO_CURVE_OPERATION_FIELD_GEODESIC) {
-        proto_write_key(writer, "geodesic");
-        proto_write_bool(writer, result->is_geodesic);
-    }
+    if (fields & PROTO_CURVE_OPERATION_FIELD_TURN) proto_member_number(writer, "turn", result->turn);
+    if (fields & PROTO_CURVE_OPERATION_FIELD_ROUNDS) proto_member_uint(writer, "rounds", result->rounds);
+    if (fields & PROTO_CURVE_OPERATION_FIELD_GEODESIC) proto_member_bool(writer, "geodesic", result->is_geodesic);
 }
 
 static void encode_offset(struct proto_writer *writer, const struct gd_mesh *mesh,
@@ -170,8 +161,7 @@ static void encode_offset(struct proto_writer *writer, const struct gd_mesh *mes
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < result->path_count; i++) {
         proto_write_object_begin(writer);
-        proto_write_key(writer, "closed");
-        proto_write_bool(writer, result->is_closed[i]);
+        proto_member_bool(writer, "closed", result->is_closed[i]);
         proto_write_key(writer, "path");
         proto_path_encode(writer, mesh, &result->paths[i], geometry);
         proto_write_object_end(writer);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 const char *const proto_cut_fields[] = {"separates", "pieces",     "name",     "vertices",      "faces",
                                         "area",      "vertex_map", "face_map", "largest_shift", NULL};
@@ -87,10 +88,7 @@ static uint32_t piece_fields(uint32_t fields)
 void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields)
 {
     proto_write_object_begin(writer);
-    if (fields & PROTO_CUT_FIELD_SEPARATES) {
-        proto_write_key(writer, "separates");
-        proto_write_bool(writer, cut->separates);
-    }
+    if (fields & PROTO_CUT_FIELD_SEPARATES) proto_member_bool(writer, "separates", cut->separates);
     if (!piece_fields(fields)) return;
     proto_write_key(writer, "pieces");
     proto_write_array_begin(writer);
@@ -99,10 +97,7 @@ void proto_cut_begin(struct proto_writer *writer, const struct gd_cut *cut, uint
 void proto_cut_end(struct proto_writer *writer, const struct gd_cut *cut, uint32_t fields)
 {
     if (piece_fields(fields)) proto_write_array_end(writer);
-    if (fields & PROTO_CUT_FIELD_LARGEST_SHIFT) {
-        proto_write_key(writer, "largest_shift");
-        proto_write_number(writer, cut->largest_shift);
-    }
+    if (fields & PROTO_CUT_FIELD_LARGEST_SHIFT) proto_member_number(writer, "largest_shift", cut->largest_shift);
     proto_write_object_end(writer);
 }
 
@@ -127,22 +122,10 @@ void proto_cut_piece_encode(struct proto_writer *writer, const struct gd_cut_pie
     if (!wanted) return;
     if (!name) wanted &= ~of_meshes;
     proto_write_object_begin(writer);
-    if (wanted & PROTO_CUT_FIELD_NAME) {
-        proto_write_key(writer, "name");
-        proto_write_string(writer, name);
-    }
-    if (wanted & PROTO_CUT_FIELD_VERTICES) {
-        proto_write_key(writer, "vertices");
-        proto_write_uint(writer, piece->polygons.position_count);
-    }
-    if (wanted & PROTO_CUT_FIELD_FACES) {
-        proto_write_key(writer, "faces");
-        proto_write_uint(writer, piece->face_count);
-    }
-    if (wanted & PROTO_CUT_FIELD_AREA) {
-        proto_write_key(writer, "area");
-        proto_write_number(writer, piece->area);
-    }
+    if (wanted & PROTO_CUT_FIELD_NAME) proto_member_string(writer, "name", name);
+    if (wanted & PROTO_CUT_FIELD_VERTICES) proto_member_uint(writer, "vertices", piece->polygons.position_count);
+    if (wanted & PROTO_CUT_FIELD_FACES) proto_member_uint(writer, "faces", piece->face_count);
+    if (wanted & PROTO_CUT_FIELD_AREA) proto_member_number(writer, "area", piece->area);
     if (wanted & PROTO_CUT_FIELD_VERTEX_MAP)
         encode_map(writer, "vertex_map", piece->vertex_map, piece->polygons.position_count);
     if (wanted & PROTO_CUT_FIELD_FACE_MAP) encode_map(writer, "face_map", piece->face_map, piece->face_count);

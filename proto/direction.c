@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/point.h"
 
 /* --- from JSON ---------------------------------------------------------------------------------------------------- */
@@ -78,8 +79,7 @@ bool proto_direction_locate(const struct gd_mesh *mesh, const struct gd_point *p
 void proto_direction_encode(struct proto_writer *writer, const struct gd_direction *direction)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "angle");
-    proto_write_number(writer, direction->angle);
+    proto_member_number(writer, "angle", direction->angle);
     proto_write_key(writer, "xyz");
     proto_xyz_encode(writer, direction->xyz);
     proto_write_object_end(writer);

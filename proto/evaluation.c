@@ -4,6 +4,7 @@
 
 #include "proto/decode.h"
 #include "proto/direction.h"
+#include "proto/member.h"
 #include "proto/path.h"
 
 const char *const proto_evaluation_fields[] = {"results", "distance", "reason", "nearest", "path", "gradient", NULL};
@@ -88,10 +89,8 @@ static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *me
                            const struct proto_result *result)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "index");
-    proto_write_uint(writer, result->member);
-    proto_write_key(writer, "label");
-    proto_write_string(writer, proto_located_set_label(set, result->member));
+    proto_member_uint(writer, "index", result->member);
+    proto_member_string(writer, "label", proto_located_set_label(set, result->member));
     proto_write_key(writer, "point");
     proto_point_encode(writer, mesh, &result->nearest, NAN);
     proto_write_object_end(writer);
@@ -105,16 +104,12 @@ const char *proto_reason(double distance)
 void proto_reason_encode(struct proto_writer *writer, double distance)
 {
     if (isfinite(distance)) return;
-    proto_write_key(writer, "reason");
-    proto_write_string(writer, proto_reason(distance));
+    proto_member_string(writer, "reason", proto_reason(distance));
 }
 
 static void encode_distance(struct proto_writer *writer, double distance, uint32_t wanted)
 {
-    if (wanted & PROTO_RESULT_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, distance);
-    }
+    if (wanted & PROTO_RESULT_FIELD_DISTANCE) proto_member_number(writer, "distance", distance);
     if (wanted & (PROTO_RESULT_FIELD_DISTANCE | PROTO_RESULT_FIELD_REASON)) proto_reason_encode(writer, distance);
 }
 

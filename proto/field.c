@@ -4,6 +4,7 @@
 
 #include "proto/decode.h"
 #include "proto/evaluation.h"
+#include "proto/member.h"
 #include "proto/number.h"
 
 /* --- the request ------------------------------------------------------------------------------------------------ */
@@ -113,30 +114,19 @@ bool proto_wedges_parse(const struct proto_parameters *parameters, struct gd_ver
     return true;
 }
 
-static void encode_number(struct proto_writer *writer, const char *key, double value)
-{
-    proto_write_key(writer, key);
-    proto_write_number(writer, value);
-}
-
 static void encode_wedge(struct proto_writer *writer, const struct gd_wedge *wedge)
 {
     proto_write_object_begin(writer);
-    encode_number(writer, "b0", wedge->b0);
-    encode_number(writer, "b1", wedge->b1);
-    encode_number(writer, "d0", wedge->d0);
-    encode_number(writer, "d1", wedge->d1);
-    encode_number(writer, "sigma", wedge->sigma);
-    proto_write_key(writer, "tau");
-    proto_write_bool(writer, wedge->tau);
-    if (wedge->linear) {
-        proto_write_key(writer, "linear");
-        proto_write_bool(writer, true);
-    }
+    proto_member_number(writer, "b0", wedge->b0);
+    proto_member_number(writer, "b1", wedge->b1);
+    proto_member_number(writer, "d0", wedge->d0);
+    proto_member_number(writer, "d1", wedge->d1);
+    proto_member_number(writer, "sigma", wedge->sigma);
+    proto_member_bool(writer, "tau", wedge->tau);
+    if (wedge->linear) proto_member_bool(writer, "linear", true);
     proto_write_key(writer, "source");
     proto_write_object_begin(writer);
-    proto_write_key(writer, wedge->at_vertex ? "vertex" : "member");
-    proto_write_uint(writer, wedge->source);
+    proto_member_uint(writer, wedge->at_vertex ? "vertex" : "member", wedge->source);
     proto_write_object_end(writer);
     proto_write_object_end(writer);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/point.h"
 
 const struct proto_geodesic_form proto_geodesic_between_points = {{"from", "to"}, {false, false}, {true, true}},
@@ -189,18 +190,12 @@ static void encode_end(struct proto_writer *writer, const struct gd_domain_curve
     double uv[2];
     gd_domain_curve_at(curve, parameter, uv);
     proto_write_object_begin(writer);
-    if (!gd_domain_curve_is_point(curve)) {
-        proto_write_key(writer, "parameter");
-        proto_write_number(writer, parameter);
-    }
+    if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "parameter", parameter);
     proto_write_key(writer, "uv");
     proto_write_numbers(writer, uv, 2);
     proto_write_key(writer, "xyz");
     proto_xyz_encode(writer, position(gd_domain_curve_surface(curve), uv));
-    if (!gd_domain_curve_is_point(curve)) {
-        proto_write_key(writer, "angle");
-        proto_write_number(writer, angle);
-    }
+    if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "angle", angle);
     proto_write_object_end(writer);
 }
 
@@ -234,19 +229,16 @@ static void encode_numbers(struct proto_writer *writer, const struct gd_geodesic
                    {"speed_defect", path->speed_defect, PROTO_GEODESIC_FIELD_SPEED_DEFECT}};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (!(fields & numbers[i].field)) continue;
-        proto_write_key(writer, numbers[i].key);
-        proto_write_number(writer, numbers[i].value);
+        proto_member_number(writer, numbers[i].key, numbers[i].value);
     }
     if (!(fields & PROTO_GEODESIC_FIELD_ITERATIONS)) return;
-    proto_write_key(writer, "iterations");
-    proto_write_uint(writer, path->iterations);
+    proto_member_uint(writer, "iterations", path->iterations);
 }
 
 static void encode_flag(struct proto_writer *writer, const char *key, bool value, bool is_wanted)
 {
     if (!is_wanted) return;
-    proto_write_key(writer, key);
-    proto_write_bool(writer, value);
+    proto_member_bool(writer, key, value);
 }
 
 static void encode_warnings(struct proto_writer *writer, uint32_t warnings)
@@ -283,14 +275,9 @@ static enum gd_status encode_path(struct proto_writer *writer, const struct prot
 {
     uint32_t fields = options->fields;
     enum gd_status status = GD_OK;
-    if (fields & PROTO_GEODESIC_FIELD_LENGTH) {
-        proto_write_key(writer, "length");
-        proto_write_number(writer, path->length);
-    }
-    if (fields & PROTO_GEODESIC_FIELD_DEGREE && path->piece_count) {
-        proto_write_key(writer, "degree");
-        proto_write_uint(writer, path->pieces[0].degree);
-    }
+    if (fields & PROTO_GEODESIC_FIELD_LENGTH) proto_member_number(writer, "length", path->length);
+    if (fields & PROTO_GEODESIC_FIELD_DEGREE && path->piece_count)
+        proto_member_uint(writer, "degree", path->pieces[0].degree);
     if (fields & PROTO_GEODESIC_FIELD_KNOTS) encode_knots(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_CONTROL_POINTS) encode_control_points(writer, path);
     if (fields & PROTO_GEODESIC_FIELD_POINTS && options->geometry != PROTO_GEOMETRY_NONE)

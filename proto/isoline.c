@@ -6,6 +6,7 @@
 
 #include "gd/direction.h"
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/number.h"
 #include "proto/point.h"
 
@@ -223,8 +224,7 @@ void proto_isolines_end(struct proto_writer *writer)
 void proto_isoline_begin(struct proto_writer *writer, double level)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "level");
-    proto_write_number(writer, level);
+    proto_member_number(writer, "level", level);
     proto_write_key(writer, "lines");
     proto_write_array_begin(writer);
 }
@@ -238,10 +238,8 @@ void proto_isoline_end(struct proto_writer *writer)
 void proto_line_begin(struct proto_writer *writer, const struct gd_isoline_line *line)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "closed");
-    proto_write_bool(writer, line->closed);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, line->length);
+    proto_member_bool(writer, "closed", line->closed);
+    proto_member_number(writer, "length", line->length);
 }
 
 void proto_line_end(struct proto_writer *writer)
@@ -276,24 +274,19 @@ static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh,
     double start = start_of(mesh, arc);
     proto_write_key(writer, "centre");
     proto_xyz_encode(writer, arc->centre);
-    proto_write_key(writer, "radius");
-    proto_write_number(writer, arc->radius);
-    proto_write_key(writer, "start");
-    proto_write_number(writer, start);
-    proto_write_key(writer, "end");
-    proto_write_number(writer, start + (arc->to - arc->from));
+    proto_member_number(writer, "radius", arc->radius);
+    proto_member_number(writer, "start", start);
+    proto_member_number(writer, "end", start + (arc->to - arc->from));
 }
 
 void proto_arc_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "face");
-    proto_write_uint(writer, arc->face.index);
+    proto_member_uint(writer, "face", arc->face.index);
     if (arc->radius > 0) {
         write_round(writer, mesh, arc);
     } else {
-        proto_write_key(writer, "straight");
-        proto_write_bool(writer, true);
+        proto_member_bool(writer, "straight", true);
     }
     proto_write_object_end(writer);
 }

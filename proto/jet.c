@@ -1,6 +1,7 @@
 #include "proto/jet.h"
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/point.h"
 
 const char *const proto_jet_fields[] = {
@@ -95,9 +96,6 @@ void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_f
         proto_write_numbers(writer, (double[]){foot->u, foot->v}, 2);
     }
     encode_vector(writer, "xyz", foot->xyz, fields & PROTO_FOOT_FIELD_XYZ);
-    if (fields & PROTO_FOOT_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, foot->distance);
-    }
+    if (fields & PROTO_FOOT_FIELD_DISTANCE) proto_member_number(writer, "distance", foot->distance);
     proto_write_object_end(writer);
 }

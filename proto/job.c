@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "proto/member.h"
+
 const char *proto_job_state_name(enum proto_job_state state)
 {
     static const char *const names[] = {
@@ -17,18 +19,12 @@ bool proto_job_has_ended(enum proto_job_state state)
     return state != PROTO_JOB_QUEUED && state != PROTO_JOB_RUNNING;
 }
 
-static void encode_text(struct proto_writer *writer, const char *key, const char *text)
-{
-    proto_write_key(writer, key);
-    proto_write_string(writer, text);
-}
-
 static void encode_headers(struct proto_writer *writer, const struct proto_job_answer *answer)
 {
     proto_write_key(writer, "headers");
     proto_write_object_begin(writer);
     for (uint32_t i = 0; i < answer->header_count; i++)
-        encode_text(writer, answer->headers[i].name, answer->headers[i].value);
+        proto_member_string(writer, answer->headers[i].name, answer->headers[i].value);
     proto_write_object_end(writer);
 }
 
@@ -38,11 +34,9 @@ static void encode_response(struct proto_writer *writer, const struct proto_job 
     const struct proto_job_answer *answer = job->answer;
     proto_write_key(writer, "response");
     proto_write_object_begin(writer);
-    proto_write_key(writer, "status");
-    proto_write_uint(writer, answer->status);
-    encode_text(writer, "media_type", answer->media_type);
-    proto_write_key(writer, "bytes");
-    proto_write_uint(writer, answer->size);
+    proto_member_uint(writer, "status", answer->status);
+    proto_member_string(writer, "media_type", answer->media_type);
+    proto_member_uint(writer, "bytes", answer->size);
     encode_headers(writer, answer);
     proto_write_object_end(writer);
 }
@@ -83,13 +77,11 @@ static bool shows_body(const struct proto_job *job, enum proto_job_detail detail
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail)
 {
     proto_write_object_begin(writer);
-    encode_text(writer, "id", job->id);
-    encode_text(writer, "state", proto_job_state_name(job->state));
-    proto_write_key(writer, "progress");
-    proto_write_number(writer, job->progress);
-    proto_write_key(writer, "created");
-    proto_write_time(writer, job->created);
-    encode_text(writer, "request", job->request);
+    proto_member_string(writer, "id", job->id);
+    proto_member_string(writer, "state", proto_job_state_name(job->state));
+    proto_member_number(writer, "progress", job->progress);
+    proto_member_time(writer, "created", job->created);
+    proto_member_string(writer, "request", job->request);
     if (job->answer) encode_response(writer, job);
     if (job->answer && shows_body(job, detail)) encode_body(writer, job);
     proto_write_object_end(writer);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/point.h"
 
 const char *const proto_limit_jet_fields[] = {"points", "xyz", "normal",     "du",       "dv", "duu",
@@ -52,32 +53,21 @@ void proto_limit_jet_encode(struct proto_writer *writer, const struct gd_limit_j
         if (wanted & (PROTO_LIMIT_JET_FIELD_XYZ << i))
             encode_vector(writer, vectors[i].key, vectors[i].vector, vectors[i].is_known);
     if (wanted & PROTO_LIMIT_JET_FIELD_CURVATURES) encode_curvatures(writer, jet);
-    if (jet->singular && wanted & PROTO_LIMIT_JET_FIELD_SINGULAR) {
-        proto_write_key(writer, "singular");
-        proto_write_bool(writer, true);
-    }
+    if (jet->singular && wanted & PROTO_LIMIT_JET_FIELD_SINGULAR) proto_member_bool(writer, "singular", true);
     proto_write_object_end(writer);
 }
 
 void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_foot *foot, uint32_t fields)
 {
     proto_write_object_begin(writer);
-    if (fields & PROTO_LIMIT_FOOT_FIELD_FACE) {
-        proto_write_key(writer, "face");
-        proto_write_uint(writer, foot->place.face);
-    }
-    if (foot->place.corner && fields & PROTO_LIMIT_FOOT_FIELD_CORNER) {
-        proto_write_key(writer, "corner");
-        proto_write_uint(writer, foot->place.corner);
-    }
+    if (fields & PROTO_LIMIT_FOOT_FIELD_FACE) proto_member_uint(writer, "face", foot->place.face);
+    if (foot->place.corner && fields & PROTO_LIMIT_FOOT_FIELD_CORNER)
+        proto_member_uint(writer, "corner", foot->place.corner);
     if (fields & PROTO_LIMIT_FOOT_FIELD_UV) {
         proto_write_key(writer, "uv");
         proto_write_numbers(writer, (double[]){foot->place.u, foot->place.v}, 2);
     }
     if (fields & PROTO_LIMIT_FOOT_FIELD_XYZ) encode_vector(writer, "xyz", foot->position, true);
-    if (fields & PROTO_LIMIT_FOOT_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, foot->distance);
-    }
+    if (fields & PROTO_LIMIT_FOOT_FIELD_DISTANCE) proto_member_number(writer, "distance", foot->distance);
     proto_write_object_end(writer);
 }

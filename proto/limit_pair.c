@@ -4,6 +4,7 @@
 
 #include "proto/decode.h"
 #include "proto/limit_trace.h"
+#include "proto/member.h"
 
 #define DISTANCE_FIELDS "distance", "reason", "error_estimate", "relaxed", "mesh_distance", "level", "from", "to"
 
@@ -27,24 +28,18 @@ bool proto_limit_pair_decode(const json_t *document, const struct gd_subdivision
 static void encode_number(struct proto_writer *writer, const char *key, double value, bool is_wanted)
 {
     if (!is_wanted) return;
-    proto_write_key(writer, key);
-    proto_write_number(writer, value); /* infinite: null */
+    proto_member_number(writer, key, value); /* infinite: null */
 }
 
 static void encode_distance(struct proto_writer *writer, const struct gd_limit_shortest *found, uint32_t fields)
 {
     bool is_there = isfinite(found->distance);
     encode_number(writer, "distance", found->distance, fields & PROTO_LIMIT_PAIR_FIELD_DISTANCE);
-    if (!is_there && fields & (PROTO_LIMIT_PAIR_FIELD_DISTANCE | PROTO_LIMIT_PAIR_FIELD_REASON)) {
-        proto_write_key(writer, "reason");
-        proto_write_string(writer, "no_path");
-    }
+    if (!is_there && fields & (PROTO_LIMIT_PAIR_FIELD_DISTANCE | PROTO_LIMIT_PAIR_FIELD_REASON))
+        proto_member_string(writer, "reason", "no_path");
     if (!is_there) return;
     encode_number(writer, "error_estimate", found->error_estimate, fields & PROTO_LIMIT_PAIR_FIELD_ERROR);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_RELAXED) {
-        proto_write_key(writer, "relaxed");
-        proto_write_bool(writer, found->relaxed);
-    }
+    if (fields & PROTO_LIMIT_PAIR_FIELD_RELAXED) proto_member_bool(writer, "relaxed", found->relaxed);
     encode_number(writer, "mesh_distance", found->mesh_distance, fields & PROTO_LIMIT_PAIR_FIELD_MESH_DISTANCE);
 }
 
@@ -72,10 +67,7 @@ void proto_limit_pair_encode(struct proto_writer *writer, const struct proto_lim
     uint32_t fields = options->fields;
     proto_write_object_begin(writer);
     encode_distance(writer, found, fields);
-    if (fields & PROTO_LIMIT_PAIR_FIELD_LEVEL) {
-        proto_write_key(writer, "level");
-        proto_write_uint(writer, wanted->level);
-    }
+    if (fields & PROTO_LIMIT_PAIR_FIELD_LEVEL) proto_member_uint(writer, "level", wanted->level);
     if (fields & PROTO_LIMIT_PAIR_FIELD_FROM) {
         proto_write_key(writer, "from");
         proto_limit_place_encode(writer, &wanted->from, ends[0]);

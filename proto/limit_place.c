@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/point.h"
 
 void proto_limit_places_free(struct proto_limit_places *places)
@@ -93,12 +94,8 @@ bool proto_limit_places_decode(const json_t *document, const struct gd_subdivisi
 
 void proto_limit_place_write(struct proto_writer *writer, const struct gd_limit_point *place)
 {
-    proto_write_key(writer, "face");
-    proto_write_uint(writer, place->face);
-    if (place->corner) {
-        proto_write_key(writer, "corner");
-        proto_write_uint(writer, place->corner);
-    }
+    proto_member_uint(writer, "face", place->face);
+    if (place->corner) proto_member_uint(writer, "corner", place->corner);
     proto_write_key(writer, "uv");
     proto_write_numbers(writer, (double[]){place->u, place->v}, 2);
 }

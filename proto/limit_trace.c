@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 const char *const proto_limit_trace_fields[] = {"start", "level", "paths", NULL};
 
@@ -71,16 +72,14 @@ static void encode_end(struct proto_writer *writer, const struct gd_limit_jet *e
     const struct gd_direction told = {.angle = gd_limit_angle(end, direction), .xyz = direction};
     proto_write_key(writer, "end_direction");
     proto_direction_encode(writer, &told);
-    proto_write_key(writer, "end_reason");
-    proto_write_string(writer, reason);
+    proto_member_string(writer, "end_reason", reason);
     proto_write_object_end(writer);
 }
 
 static void begin_path(struct proto_writer *writer, double length)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, length);
+    proto_member_number(writer, "length", length);
 }
 
 static void encode_point(struct proto_writer *writer, const struct gd_limit_mesh *fine, const struct gd_point *point,

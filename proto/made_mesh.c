@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 bool proto_made_mesh_decode(const json_t *document, char out[PROTO_MESH_NAME + 1], struct proto_problem *problem)
 {
@@ -30,9 +31,7 @@ void proto_made_of_encode(struct proto_writer *writer, const char *key, const ch
 {
     proto_write_key(writer, key);
     proto_write_object_begin(writer);
-    proto_write_key(writer, "name");
-    proto_write_string(writer, name);
-    proto_write_key(writer, "etag");
-    proto_write_string(writer, etag);
+    proto_member_string(writer, "name", name);
+    proto_member_string(writer, "etag", etag);
     proto_write_object_end(writer);
 }

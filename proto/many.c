@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 static const char *const queries[] = {[PROTO_MANY_ALL_PAIRS] = "all-pairs", [PROTO_MANY_FIELDS] = "fields"};
 
@@ -131,8 +132,7 @@ static void write_vertices(struct proto_writer *body, const char *key, const str
     proto_write_array_begin(body);
     for (uint32_t i = from; i < to; i++) {
         proto_write_object_begin(body);
-        proto_write_key(body, "vertex");
-        proto_write_uint(body, vertex_of(many, i));
+        proto_member_uint(body, "vertex", vertex_of(many, i));
         proto_write_object_end(body);
     }
     proto_write_array_end(body);
@@ -170,27 +170,17 @@ const char *proto_many_ask(const struct proto_many *many, uint32_t item, struct 
 
 /* --- telling ------------------------------------------------------------------------------------------------------ */
 
-static void encode_count(struct proto_writer *writer, const char *key, int64_t value)
-{
-    proto_write_key(writer, key);
-    proto_write_int(writer, value);
-}
-
 void proto_many_encode(struct proto_writer *writer, const struct proto_many_state *state)
 {
     bool is_done = state->done == state->items;
     proto_write_object_begin(writer);
-    proto_write_key(writer, "id");
-    proto_write_string(writer, state->id);
-    proto_write_key(writer, "state");
-    proto_write_string(writer, is_done ? "done" : state->is_cancelled ? "cancelled" : "running");
-    encode_count(writer, "items", state->items);
-    encode_count(writer, "done", state->done);
-    encode_count(writer, "failed", state->failed);
-    proto_write_key(writer, "progress");
-    proto_write_number(writer, (double)state->done / (double)state->items);
-    proto_write_key(writer, "created");
-    proto_write_time(writer, state->created);
+    proto_member_string(writer, "id", state->id);
+    proto_member_string(writer, "state", is_done ? "done" : state->is_cancelled ? "cancelled" : "running");
+    proto_member_int(writer, "items", state->items);
+    proto_member_int(writer, "done", state->done);
+    proto_member_int(writer, "failed", state->failed);
+    proto_member_number(writer, "progress", (double)state->done / (double)state->items);
+    proto_member_time(writer, "created", state->created);
     proto_write_object_end(writer);
 }
 
@@ -198,11 +188,10 @@ void proto_many_encode_answer(struct proto_writer *writer, const struct proto_ma
                               unsigned status, const char *answer, size_t size)
 {
     proto_write_object_begin(writer);
-    encode_count(writer, "item", item);
-    encode_count(writer, "status", status);
-    proto_write_key(writer, "mesh");
-    proto_write_string(writer, proto_many_mesh(many, item));
-    if (many->query == PROTO_MANY_ALL_PAIRS) encode_count(writer, "vertex", vertex_of(many, item));
+    proto_member_int(writer, "item", item);
+    proto_member_int(writer, "status", status);
+    proto_member_string(writer, "mesh", proto_many_mesh(many, item));
+    if (many->query == PROTO_MANY_ALL_PAIRS) proto_member_int(writer, "vertex", vertex_of(many, item));
     proto_write_key(writer, status < 400 ? "answer" : "problem");
     proto_write_raw(writer, answer, size);
     proto_write_object_end(writer);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 const char *const proto_mean_fields[] = {"point", "residual", "spread", "iterations", "converged", "cut_locus", NULL};
 
@@ -74,25 +75,10 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh, 
         proto_write_key(writer, "point");
         proto_point_encode(writer, mesh, &mean->point, NAN);
     }
-    if (fields & PROTO_MEAN_FIELD_RESIDUAL) {
-        proto_write_key(writer, "residual");
-        proto_write_number(writer, mean->residual);
-    }
-    if (fields & PROTO_MEAN_FIELD_SPREAD) {
-        proto_write_key(writer, "spread");
-        proto_write_number(writer, mean->spread);
-    }
-    if (fields & PROTO_MEAN_FIELD_ITERATIONS) {
-        proto_write_key(writer, "iterations");
-        proto_write_uint(writer, mean->iterations);
-    }
-    if (fields & PROTO_MEAN_FIELD_CONVERGED) {
-        proto_write_key(writer, "converged");
-        proto_write_bool(writer, mean->converged);
-    }
-    if (fields & PROTO_MEAN_FIELD_CUT_LOCUS) {
-        proto_write_key(writer, "cut_locus");
-        proto_write_bool(writer, mean->is_cut);
-    }
+    if (fields & PROTO_MEAN_FIELD_RESIDUAL) proto_member_number(writer, "residual", mean->residual);
+    if (fields & PROTO_MEAN_FIELD_SPREAD) proto_member_number(writer, "spread", mean->spread);
+    if (fields & PROTO_MEAN_FIELD_ITERATIONS) proto_member_uint(writer, "iterations", mean->iterations);
+    if (fields & PROTO_MEAN_FIELD_CONVERGED) proto_member_bool(writer, "converged", mean->converged);
+    if (fields & PROTO_MEAN_FIELD_CUT_LOCUS) proto_member_bool(writer, "cut_locus", mean->is_cut);
     proto_write_object_end(writer);
 }

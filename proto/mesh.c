@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "proto/accept.h"
+#include "proto/member.h"
 #include "proto/number.h"
 #include "proto/point.h"
 
@@ -126,24 +127,6 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
 
 /* --- description -------------------------------------------------------------------------------------------------- */
 
-static void encode_text(struct proto_writer *writer, const char *key, const char *text)
-{
-    proto_write_key(writer, key);
-    proto_write_string(writer, text);
-}
-
-static void encode_count(struct proto_writer *writer, const char *key, uint64_t count)
-{
-    proto_write_key(writer, key);
-    proto_write_uint(writer, count);
-}
-
-static void encode_length(struct proto_writer *writer, const char *key, double length)
-{
-    proto_write_key(writer, key);
-    proto_write_number(writer, length);
-}
-
 static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t count)
 {
     proto_write_key(writer, "boundaries");
@@ -151,8 +134,8 @@ static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh 
     for (uint32_t loop = 0; loop < count; loop++) {
         struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
         proto_write_object_begin(writer);
-        encode_count(writer, "vertices", boundary.vertices);
-        encode_length(writer, "length", boundary.length);
+        proto_member_uint(writer, "vertices", boundary.vertices);
+        proto_member_number(writer, "length", boundary.length);
         proto_write_object_end(writer);
     }
     proto_write_array_end(writer);
@@ -161,25 +144,23 @@ static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh 
 static void encode_topology(struct proto_writer *writer, const struct gd_mesh *mesh,
                             const struct gd_mesh_summary *summary)
 {
-    encode_count(writer, "index_count", summary->index_count);
-    encode_count(writer, "vertices", summary->vertices);
-    encode_count(writer, "faces", summary->faces);
-    encode_count(writer, "edges", summary->edges);
-    encode_count(writer, "components", summary->components);
+    proto_member_uint(writer, "index_count", summary->index_count);
+    proto_member_uint(writer, "vertices", summary->vertices);
+    proto_member_uint(writer, "faces", summary->faces);
+    proto_member_uint(writer, "edges", summary->edges);
+    proto_member_uint(writer, "components", summary->components);
     encode_boundaries(writer, mesh, summary->boundaries);
-    proto_write_key(writer, "euler_characteristic");
-    proto_write_int(writer, summary->euler_characteristic);
-    proto_write_key(writer, "genus");
-    proto_write_int(writer, summary->genus);
+    proto_member_int(writer, "euler_characteristic", summary->euler_characteristic);
+    proto_member_int(writer, "genus", summary->genus);
     proto_write_key(writer, "orientation");
     proto_write_object_begin(writer);
-    encode_count(writer, "flipped_faces", summary->flipped_faces);
+    proto_member_uint(writer, "flipped_faces", summary->flipped_faces);
     proto_write_object_end(writer);
 }
 
 static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_summary *summary)
 {
-    encode_length(writer, "area", summary->area);
+    proto_member_number(writer, "area", summary->area);
     proto_write_key(writer, "bounding_box");
     proto_write_object_begin(writer);
     proto_write_key(writer, "min");
@@ -189,13 +170,13 @@ static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_su
     proto_write_object_end(writer);
     proto_write_key(writer, "edge_length");
     proto_write_object_begin(writer);
-    encode_length(writer, "min", summary->edge_length.min);
-    encode_length(writer, "mean", summary->edge_length.mean);
-    encode_length(writer, "max", summary->edge_length.max);
+    proto_member_number(writer, "min", summary->edge_length.min);
+    proto_member_number(writer, "mean", summary->edge_length.mean);
+    proto_member_number(writer, "max", summary->edge_length.max);
     proto_write_object_end(writer);
-    encode_count(writer, "degenerate_faces", summary->degenerate_faces);
-    encode_count(writer, "saddle_vertices", summary->saddle_vertices);
-    encode_count(writer, "unreferenced_vertices", summary->unreferenced_vertices);
+    proto_member_uint(writer, "degenerate_faces", summary->degenerate_faces);
+    proto_member_uint(writer, "saddle_vertices", summary->saddle_vertices);
+    proto_member_uint(writer, "unreferenced_vertices", summary->unreferenced_vertices);
 }
 
 #define COPIES_LISTED 64
@@ -212,7 +193,7 @@ static void encode_pair(struct proto_writer *writer, uint32_t a, uint32_t b)
 static void encode_copies(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t copies)
 {
     uint32_t first = gd_mesh_summary(mesh)->index_count - copies;
-    encode_count(writer, "vertices_copied", copies);
+    proto_member_uint(writer, "vertices_copied", copies);
     proto_write_key(writer, "copies");
     proto_write_array_begin(writer);
     for (uint32_t i = first; i < first + copies && i < first + COPIES_LISTED; i++)
@@ -254,8 +235,8 @@ static void encode_repair(struct proto_writer *writer, const struct gd_mesh *mes
     proto_write_key(writer, "repair");
     proto_write_object_begin(writer);
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        encode_count(writer, kinds[i].key, kinds[i].mended->count);
-    encode_length(writer, "largest_shift", repair->largest_shift);
+        proto_member_uint(writer, kinds[i].key, kinds[i].mended->count);
+    proto_member_number(writer, "largest_shift", repair->largest_shift);
     encode_copies(writer, mesh, repair->copies);
     proto_write_key(writer, "first");
     proto_write_object_begin(writer);
@@ -268,15 +249,14 @@ void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_desc
 {
     const struct gd_mesh_summary *summary = gd_mesh_summary(description->mesh);
     proto_write_object_begin(writer);
-    encode_text(writer, "name", description->name);
-    encode_text(writer, "sha256", description->sha256);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
     encode_topology(writer, description->mesh, summary);
     encode_geometry(writer, summary);
     encode_repair(writer, description->mesh);
-    encode_count(writer, "memory_bytes", description->memory_bytes);
-    encode_count(writer, "fields_cached", description->fields_cached);
-    proto_write_key(writer, "created");
-    proto_write_time(writer, description->created);
-    encode_text(writer, "etag", description->etag);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_uint(writer, "fields_cached", description->fields_cached);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
     proto_write_object_end(writer);
 }

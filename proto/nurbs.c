@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/parametric.h"
 #include "proto/uv.h"
 
@@ -258,12 +259,6 @@ bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_o
 
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
-static void encode_text(struct proto_writer *writer, const char *key, const char *text)
-{
-    proto_write_key(writer, key);
-    proto_write_string(writer, text);
-}
-
 static void encode_pair(struct proto_writer *writer, const char *key, uint32_t a, uint32_t b)
 {
     proto_write_key(writer, key);
@@ -275,43 +270,37 @@ static void encode_pair(struct proto_writer *writer, const char *key, uint32_t a
 
 static void encode_form(struct proto_writer *writer, const struct proto_nurbs_form *form)
 {
-    encode_text(writer, "shape", form->shape);
+    proto_member_string(writer, "shape", form->shape);
     if (!form->convention) return;
-    encode_text(writer, "convention", form->convention);
+    proto_member_string(writer, "convention", form->convention);
     encode_pair(writer, "degree", form->degree_u, form->degree_v);
     encode_pair(writer, "control_points", form->count_u, form->count_v);
-    proto_write_key(writer, "rational");
-    proto_write_bool(writer, form->is_rational);
+    proto_member_bool(writer, "rational", form->is_rational);
 }
 
 /* Without seeds there are no geodesics: then it says why. */
 static void encode_seeding(struct proto_writer *writer, const struct proto_nurbs_description *description)
 {
-    proto_write_key(writer, "geodesics");
-    proto_write_bool(writer, description->seeding_faces > 0);
+    proto_member_bool(writer, "geodesics", description->seeding_faces > 0);
     if (description->seeding_faces == 0) {
-        encode_text(writer, "reason", description->obstacle);
+        proto_member_string(writer, "reason", description->obstacle);
         return;
     }
-    proto_write_key(writer, "seeding_faces");
-    proto_write_uint(writer, description->seeding_faces);
+    proto_member_uint(writer, "seeding_faces", description->seeding_faces);
 }
 
 void proto_nurbs_encode(struct proto_writer *writer, const struct proto_nurbs_description *description)
 {
     proto_write_object_begin(writer);
-    encode_text(writer, "name", description->name);
-    encode_text(writer, "sha256", description->sha256);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
     encode_form(writer, &description->form);
     proto_write_key(writer, "domain");
     proto_domain_encode(writer, description->surface);
-    proto_write_key(writer, "size");
-    proto_write_number(writer, gd_parametric_size(description->surface));
+    proto_member_number(writer, "size", gd_parametric_size(description->surface));
     encode_seeding(writer, description);
-    proto_write_key(writer, "memory_bytes");
-    proto_write_uint(writer, description->memory_bytes);
-    proto_write_key(writer, "created");
-    proto_write_time(writer, description->created);
-    encode_text(writer, "etag", description->etag);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
     proto_write_object_end(writer);
 }

@@ -1,5 +1,7 @@
 #include "proto/page.h"
 
+#include "proto/member.h"
+
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out, struct proto_problem *problem)
 {
     static const char *const names[] = {"limit", "after", NULL};
@@ -20,7 +22,6 @@ void proto_page_begin(struct proto_writer *writer, const char *name)
 void proto_page_end(struct proto_writer *writer, const char *next)
 {
     proto_write_array_end(writer);
-    proto_write_key(writer, "next");
-    proto_write_string(writer, next);
+    proto_member_string(writer, "next", next);
     proto_write_object_end(writer);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/uv.h"
 
 /* What the engine says of the numbers at a place. */
@@ -192,14 +193,10 @@ static void encode_axis(struct proto_writer *writer, const char *key, const stru
     proto_write_object_begin(writer);
     proto_write_key(writer, "range");
     proto_write_numbers(writer, (double[]){axis->low, axis->high}, 2);
-    proto_write_key(writer, "closed");
-    proto_write_bool(writer, axis->closed);
-    proto_write_key(writer, "pieces");
-    proto_write_uint(writer, axis->line_count + UINT64_C(1));
-    proto_write_key(writer, "pole_low");
-    proto_write_bool(writer, axis->pole_low);
-    proto_write_key(writer, "pole_high");
-    proto_write_bool(writer, axis->pole_high);
+    proto_member_bool(writer, "closed", axis->closed);
+    proto_member_uint(writer, "pieces", axis->line_count + UINT64_C(1));
+    proto_member_bool(writer, "pole_low", axis->pole_low);
+    proto_member_bool(writer, "pole_high", axis->pole_high);
     proto_write_object_end(writer);
 }
 

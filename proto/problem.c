@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "proto/member.h"
 #include "proto/writer.h"
 
 /* --- the list ----------------------------------------------------------------------------------------------------- */
@@ -219,12 +220,6 @@ static void encode_element(struct proto_writer *writer, enum gd_element element,
     proto_write_object_end(writer);
 }
 
-static void encode_text(struct proto_writer *writer, const char *key, const char *text)
-{
-    proto_write_key(writer, key);
-    proto_write_string(writer, text);
-}
-
 static void encode_elements(struct proto_writer *writer, const struct proto_problem *problem)
 {
     proto_write_key(writer, "elements");
@@ -239,19 +234,15 @@ void proto_problem_encode(struct proto_writer *writer, const struct proto_proble
     char type[64];
     snprintf(type, sizeof type, "urn:geodesicd:problem:%s", proto_problem_name(problem->code));
     proto_write_object_begin(writer);
-    encode_text(writer, "type", type);
-    encode_text(writer, "title", title_of(problem->code));
-    proto_write_key(writer, "status");
-    proto_write_uint(writer, problem->status);
-    encode_text(writer, "detail", problem->detail);
-    encode_text(writer, "code", proto_problem_name(problem->code));
-    if (problem->has_pointer) encode_text(writer, "pointer", problem->pointer);
-    if (problem->parameter[0]) encode_text(writer, "parameter", problem->parameter);
-    if (problem->reason) encode_text(writer, "reason", problem->reason);
-    if (problem->has_limit) {
-        proto_write_key(writer, "limit");
-        proto_write_uint(writer, problem->limit);
-    }
+    proto_member_string(writer, "type", type);
+    proto_member_string(writer, "title", title_of(problem->code));
+    proto_member_uint(writer, "status", problem->status);
+    proto_member_string(writer, "detail", problem->detail);
+    proto_member_string(writer, "code", proto_problem_name(problem->code));
+    if (problem->has_pointer) proto_member_string(writer, "pointer", problem->pointer);
+    if (problem->parameter[0]) proto_member_string(writer, "parameter", problem->parameter);
+    if (problem->reason) proto_member_string(writer, "reason", problem->reason);
+    if (problem->has_limit) proto_member_uint(writer, "limit", problem->limit);
     if (problem->element_count) encode_elements(writer, problem);
     proto_write_object_end(writer);
 }

@@ -2,10 +2,11 @@
 
 #include "gd/io.h"
 
+#include "proto/member.h"
+
 static void encode_limit(struct proto_writer *writer, const char *key, uint64_t limit)
 {
-    proto_write_key(writer, key);
-    proto_write_uint(writer, limit);
+    proto_member_uint(writer, key, limit);
 }
 
 static void encode_limits(struct proto_writer *writer, const struct proto_service *service)
@@ -43,8 +44,7 @@ static void encode_queries(struct proto_writer *writer, const struct proto_route
 void proto_service_encode(struct proto_writer *writer, const struct proto_service *service)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "version");
-    proto_write_string(writer, service->version);
+    proto_member_string(writer, "version", service->version);
     encode_limits(writer, service);
     proto_write_key(writer, "capabilities");
     proto_write_object_begin(writer);
@@ -62,11 +62,7 @@ void proto_health_encode(struct proto_writer *writer, enum proto_health health, 
                                         [PROTO_HEALTH_READ_ONLY] = "read_only",
                                         [PROTO_HEALTH_DEGRADED] = "degraded"};
     proto_write_object_begin(writer);
-    proto_write_key(writer, "status");
-    proto_write_string(writer, words[health]);
-    if (reason) {
-        proto_write_key(writer, "reason");
-        proto_write_string(writer, reason);
-    }
+    proto_member_string(writer, "status", words[health]);
+    if (reason) proto_member_string(writer, "reason", reason);
     proto_write_object_end(writer);
 }

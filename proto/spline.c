@@ -7,6 +7,7 @@
 
 #include "gd/frame.h"
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/path.h"
 
 const char *const proto_spline_fields[] = {"path", "segments", "parameters", "joints", "frames", NULL};
@@ -277,12 +278,9 @@ static void encode_segment(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_array_begin(writer);
     for (int k = 0; k < 4; k++) proto_point_encode(writer, mesh, &segment->control[k], NAN);
     proto_write_array_end(writer);
-    proto_write_key(writer, "distance");
-    proto_write_number(writer, segment->distance);
-    proto_write_key(writer, "clipped");
-    proto_write_bool(writer, segment->is_clipped);
-    proto_write_key(writer, "cut_locus");
-    proto_write_bool(writer, segment->is_cut);
+    proto_member_number(writer, "distance", segment->distance);
+    proto_member_bool(writer, "clipped", segment->is_clipped);
+    proto_member_bool(writer, "cut_locus", segment->is_cut);
     proto_write_object_end(writer);
 }
 
@@ -291,10 +289,8 @@ static void encode_knot(struct proto_writer *writer, const struct gd_spline_knot
     proto_write_object_begin(writer);
     proto_write_key(writer, "tangent");
     proto_vector_encode(writer, knot->tangent.length > 0 ? &knot->tangent.direction : NULL, knot->tangent.length);
-    proto_write_key(writer, "angle_jump");
-    proto_write_number(writer, knot->angle_jump);
-    proto_write_key(writer, "speed_jump");
-    proto_write_number(writer, knot->speed_jump);
+    proto_member_number(writer, "angle_jump", knot->angle_jump);
+    proto_member_number(writer, "speed_jump", knot->speed_jump);
     proto_write_object_end(writer);
 }
 
@@ -308,14 +304,12 @@ static void encode_frame(struct proto_writer *writer, const struct gd_mesh *mesh
 {
     const struct gd_frame frame = gd_frame_at(mesh, place);
     proto_write_object_begin(writer);
-    proto_write_key(writer, "parameter");
-    proto_write_number(writer, frame.parameter);
+    proto_member_number(writer, "parameter", frame.parameter);
     encode_vector(writer, "xyz", frame.position);
     encode_vector(writer, "tangent", frame.tangent);
     encode_vector(writer, "normal", frame.normal);
     encode_vector(writer, "binormal", frame.binormal);
-    proto_write_key(writer, "speed");
-    proto_write_number(writer, place->speed);
+    proto_member_number(writer, "speed", place->speed);
     proto_write_object_end(writer);
 }
 

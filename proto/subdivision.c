@@ -2,6 +2,7 @@
 
 #include "gd/limit_mesh.h"
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/usd.h"
 
 const char *const proto_subdivision_schemes[] = {
@@ -74,26 +75,14 @@ bool proto_subdivision_read(const void *bytes, size_t size, const struct proto_s
 
 /* --- the description ---------------------------------------------------------------------------------------------- */
 
-static void encode_text(struct proto_writer *writer, const char *key, const char *text)
-{
-    proto_write_key(writer, key);
-    proto_write_string(writer, text);
-}
-
-static void encode_count(struct proto_writer *writer, const char *key, uint64_t count)
-{
-    proto_write_key(writer, key);
-    proto_write_uint(writer, count);
-}
-
 static void encode_extraordinary(struct proto_writer *writer, const struct gd_subdivision_summary *summary)
 {
     proto_write_key(writer, "extraordinary_vertices");
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < summary->extraordinary_count; i++) {
         proto_write_object_begin(writer);
-        encode_count(writer, "valence", summary->extraordinary[i].valence);
-        encode_count(writer, "count", summary->extraordinary[i].count);
+        proto_member_uint(writer, "valence", summary->extraordinary[i].valence);
+        proto_member_uint(writer, "count", summary->extraordinary[i].count);
         proto_write_object_end(writer);
     }
     proto_write_array_end(writer);
@@ -102,28 +91,27 @@ static void encode_extraordinary(struct proto_writer *writer, const struct gd_su
 static void encode_control_mesh(struct proto_writer *writer, const struct gd_subdivision *surface)
 {
     const struct gd_subdivision_summary summary = gd_subdivision_summary(surface);
-    encode_text(writer, "scheme", proto_subdivision_schemes[gd_subdivision_scheme(surface)]);
-    encode_count(writer, "vertices", summary.vertex_count);
-    encode_count(writer, "edges", summary.edge_count);
-    encode_count(writer, "faces", summary.face_count);
+    proto_member_string(writer, "scheme", proto_subdivision_schemes[gd_subdivision_scheme(surface)]);
+    proto_member_uint(writer, "vertices", summary.vertex_count);
+    proto_member_uint(writer, "edges", summary.edge_count);
+    proto_member_uint(writer, "faces", summary.face_count);
     encode_extraordinary(writer, &summary);
-    encode_count(writer, "crease_edges", summary.crease_edges);
-    encode_count(writer, "corner_vertices", summary.corner_vertices);
-    encode_count(writer, "boundary_edges", summary.boundary_edges);
-    encode_count(writer, "boundaries", summary.boundary_loops);
-    encode_count(writer, "least_level", gd_limit_mesh_least_level(surface));
-    encode_count(writer, "usual_level", gd_limit_mesh_usual_level(surface));
+    proto_member_uint(writer, "crease_edges", summary.crease_edges);
+    proto_member_uint(writer, "corner_vertices", summary.corner_vertices);
+    proto_member_uint(writer, "boundary_edges", summary.boundary_edges);
+    proto_member_uint(writer, "boundaries", summary.boundary_loops);
+    proto_member_uint(writer, "least_level", gd_limit_mesh_least_level(surface));
+    proto_member_uint(writer, "usual_level", gd_limit_mesh_usual_level(surface));
 }
 
 void proto_subdivision_encode(struct proto_writer *writer, const struct proto_subdivision_description *description)
 {
     proto_write_object_begin(writer);
-    encode_text(writer, "name", description->name);
-    encode_text(writer, "sha256", description->sha256);
+    proto_member_string(writer, "name", description->name);
+    proto_member_string(writer, "sha256", description->sha256);
     encode_control_mesh(writer, description->surface);
-    encode_count(writer, "memory_bytes", description->memory_bytes);
-    proto_write_key(writer, "created");
-    proto_write_time(writer, description->created);
-    encode_text(writer, "etag", description->etag);
+    proto_member_uint(writer, "memory_bytes", description->memory_bytes);
+    proto_member_time(writer, "created", description->created);
+    proto_member_string(writer, "etag", description->etag);
     proto_write_object_end(writer);
 }

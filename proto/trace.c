@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 #include "proto/path.h"
 
 const char *const proto_trace_fields[] = {"start", "paths", NULL};
@@ -155,8 +156,7 @@ void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
                         enum proto_geometry geometry)
 {
     proto_write_object_begin(writer);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, trace->path.length);
+    proto_member_number(writer, "length", trace->path.length);
     if (geometry != PROTO_GEOMETRY_NONE) {
         proto_write_key(writer, "points");
         proto_write_array_begin(writer);
@@ -166,7 +166,6 @@ void proto_trace_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
     }
     proto_write_key(writer, "end_direction");
     proto_direction_encode(writer, &trace->direction);
-    proto_write_key(writer, "end_reason");
-    proto_write_string(writer, proto_trace_end_name(trace->end));
+    proto_member_string(writer, "end_reason", proto_trace_end_name(trace->end));
     proto_write_object_end(writer);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 enum { PLACE = 2 * PROTO_DIRECTION_PLACE };
 
@@ -243,11 +244,9 @@ static void encode_members(struct proto_writer *writer, const struct gd_directio
         proto_direction_encode(writer, direction);
     else
         proto_write_null(writer);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, length);
+    proto_member_number(writer, "length", length);
     if (isfinite(length)) return;
-    proto_write_key(writer, "reason");
-    proto_write_string(writer, "no_path");
+    proto_member_string(writer, "reason", "no_path");
 }
 
 void proto_vector_encode(struct proto_writer *writer, const struct gd_direction *direction, double length)
@@ -268,9 +267,6 @@ void proto_log_encode(struct proto_writer *writer, const struct gd_log *log, boo
             proto_vector_encode(writer, &log->segments[i].direction, log->segments[i].length);
         proto_write_array_end(writer);
     }
-    if (is_cut) {
-        proto_write_key(writer, "cut_locus");
-        proto_write_bool(writer, true);
-    }
+    if (is_cut) proto_member_bool(writer, "cut_locus", true);
     proto_write_object_end(writer);
 }

@@ -1,6 +1,7 @@
 #include "proto/voronoi.h"
 
 #include "proto/decode.h"
+#include "proto/member.h"
 
 const char *const proto_voronoi_fields[] = {"labels", "bisectors", NULL};
 
@@ -77,10 +78,8 @@ void proto_bisector_begin(struct proto_writer *writer, const struct gd_bisector 
     list_begin(writer, "members");
     for (int i = 0; i < 2; i++) proto_write_uint(writer, bisector->members[i]);
     proto_write_array_end(writer);
-    proto_write_key(writer, "closed");
-    proto_write_bool(writer, bisector->closed);
-    proto_write_key(writer, "length");
-    proto_write_number(writer, bisector->length);
+    proto_member_bool(writer, "closed", bisector->closed);
+    proto_member_number(writer, "length", bisector->length);
 }
 
 void proto_bisector_points_begin(struct proto_writer *writer)

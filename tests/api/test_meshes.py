@@ -203,6 +203,19 @@ class Content(TestCase):
         sent = [tuple(map(float, match)) for match in numbers.findall(self.file)]
         self.assertEqual([tuple(map(float, match)) for match in numbers.findall(answer.body)], sent)
 
+    def test_faces_that_were_turned_over_or_left_out(self):
+        """As the contract and the guide say it."""
+        turned = SQUARE.replace(b"f 1 3 4", b"f 3 1 4")
+        self.assertEqual(self.daemon.put("turned", turned).json["orientation"]["flipped_faces"], 1)
+        self.assertEqual(re.findall(rb"^f .*$", self.daemon.get("/v1/meshes/turned/content").body, re.M), [b"f 1 2 3", b"f 3 4 1"])
+        place = self.daemon.get("/v1/meshes/turned/nearest?point=f:1:0.5,0.25,0.25&fields=xyz").json["xyz"]
+        self.assertEqual(place, [0.5, 0.75, 0])  # the corners as they were uploaded: (1, 1), (0, 0), (0, 1)
+        doubled = SQUARE.replace(b"f 1 3 4", b"f 1 2 3\nf 1 3 4")
+        self.assertEqual(self.daemon.put("doubled", doubled, "?repair=split").json["repair"]["duplicate_faces"], 1)
+        self.assertEqual(re.findall(rb"^f .*$", self.daemon.get("/v1/meshes/doubled/content").body, re.M), [b"f 1 2 3", b"f 1 3 4"])
+        self.assertEqual(self.daemon.get("/v1/meshes/doubled/nearest?point=f:1:1,0,0").status, 400)
+        self.assertEqual(self.daemon.get("/v1/meshes/doubled/nearest?point=f:2:1,0,0").status, 200)
+
     def test_format_by_accept(self):
         answer = self.daemon.get("/v1/meshes/torus/content", Accept="application/x-ply, model/obj;q=0.5")
         self.assertEqual(answer.headers["Content-Type"], "application/x-ply")
