@@ -75,13 +75,8 @@ static enum gd_status grow(struct gd__pool *pool, size_t need)
     return GD_OK;
 }
 
-void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
+void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class)
 {
-    void *block = pool->free_blocks[size_class];
-    if (block) {
-        pool->free_blocks[size_class] = *(void **)block;
-        return block;
-    }
     size_t size = pool->item_size * gd__pool_items(size_class);
     if ((size_t)(pool->end - pool->cursor) < size) {
         enum gd_status status = grow(pool, size);
@@ -90,13 +85,7 @@ void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
             return NULL;
         }
     }
-    block = pool->cursor;
+    void *block = pool->cursor;
     pool->cursor += size;
     return block;
-}
-
-void gd__pool_release(struct gd__pool *pool, void *block, uint32_t size_class)
-{
-    *(void **)block = pool->free_blocks[size_class];
-    pool->free_blocks[size_class] = block;
 }

@@ -8,7 +8,7 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
-#include "wedge/list.h"
+#include "wedge/stack.h"
 
 /* All zero is empty; reused. */
 struct gd__profile {

@@ -240,11 +240,19 @@ BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o,
     return 0.5 * (lo + hi);
 }
 
+/* D rises and falls in turn only where the edge meets the line through both sources: is that in (lo, hi)? Points only. */
+static bool may_turn(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
+{
+    double at_lo = (lo - c->x) * o->y - (lo - o->x) * c->y, at_hi = (hi - c->x) * o->y - (hi - o->x) * c->y;
+    return at_lo * at_hi <= 0;
+}
+
 /* The same winner at both ends: it wins all of it, or the other wins a piece in the middle. */
 BOTH_KINDS struct gd__verdict settle_same_ends(const struct gd__window *c, const struct gd__window *o, double lo,
                                                double hi, enum winner at_ends, bool linear)
 {
     struct gd__verdict verdict = all_to(at_ends);
+    if (!linear && !may_turn(c, o, lo, hi)) return verdict;
     if (roots_of(c, o, lo, hi, linear, verdict.at) < 2) return verdict;
     if (winner_at(c, o, 0.5 * (verdict.at[0] + verdict.at[1]), linear) == -at_ends) verdict.switches = 2;
     return verdict;

@@ -8,16 +8,15 @@
 
 #include "mesh/topology.h"
 #include "wedge/wedges.h"
-#include "wedge/list.h"
+#include "wedge/children.h"
 
-/* The best straight way found to the apex of a side through one of its windows, and which windows pass beside it. */
+/* The best straight way found to the apex of a side through one of its windows; where no window sees it, which ones pass beside it. */
 struct gd__apex {
     double distance; /* in: what the apex has; out: shorter, if a way is */
     bool improved;
     double x, y; /* struct gd__birth */
     uint32_t source;
-    uint32_t last_left,
-        first_right; /* the last window that lies to its left, the first one to its right; in: GD_NONE */
+    uint32_t last_left, first_right; /* out: the last window to its left, the first one to its right; GD_NONE: none */
 };
 
 struct gd__kernel {
@@ -30,10 +29,9 @@ struct gd__kernel {
     /* Keeps the windows that come within `bound` somewhere; returns how many. */
     uint32_t (*within)(const struct gd__windows *windows, uint32_t count, double bound);
 
-    /* Writes windows of a side as wedges of its edge, `mirrored` for side 1. False, having written rubbish, where windows leave gaps: the
-     * caller then writes them one by one. */
-    bool (*store)(const struct gd__windows *windows, uint32_t count, double length, bool mirrored,
-                  struct gd__wedges to);
+    /* Writes windows of a side, at least one, as wedges of its edge to arrays behind each other at `data`, `mirrored` for side 1; returns how many wedges. 0 where windows
+     * leave gaps between them, or may be linear: gd__wedges_write does those. */
+    uint32_t (*store)(const struct gd__windows *windows, uint32_t count, double length, bool mirrored, double *data);
 
     /* Casts windows across the face of their side: offers straight ways to its apex, notes which windows pass beside it, and appends their children on
      * the two other edges, joining neighbours that see one source if `coalesce`. Both lists have room for as many. */

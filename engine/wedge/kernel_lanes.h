@@ -131,38 +131,41 @@ static inline mask gap_before(lanes b0, lanes end_before, lanes tolerance)
     return gt(b0, end_before + tolerance);
 }
 
-/* Starts of the wedges from place i on, in units of 2^-32 of the edge. The first one is the edge's end, whatever rounding made of it. */
-static inline lanes starts_of(lanes b, double scale, uint32_t i)
+/* Starts of wedges, in units of 2^-32 of the edge; of those in `at_end` that is the edge's end, whatever rounding made of it. */
+static inline lanes starts_of(lanes b, double scale, mask at_end)
 {
-    lanes start = lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST));
-    return i == 0 ? pick(mask_of(1), all(0), start) : start;
+    return pick(at_end, all(0), lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST)));
 }
 
-static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
+/* Whether there is a gap between two of the windows; and whether there is one before the first and behind the last. */
+static bool has_gaps(const struct gd__windows *w, uint32_t count, double length, bool *before, bool *behind)
 {
     const lanes tolerance = all(GD_TOL_ADJACENT * length);
-    lanes end = all(0);
+    lanes end = all(w->b0[0]);
     for (uint32_t i = 0; i < count; i += LANES) {
         uint32_t active = count - i < LANES ? count - i : LANES;
         lanes b1 = load(w->b1 + i);
         if (any(both(first_lanes(active), gap_before(load(w->b0 + i), after(end, b1), tolerance)))) return true;
         end = last_of(b1, active);
     }
-    return first_of(end) + GD_TOL_ADJACENT * length < length;
+    *before = w->b0[0] > GD_TOL_ADJACENT * length;
+    *behind = first_of(end) + GD_TOL_ADJACENT * length < length;
+    return false;
 }
 
-static void store_straight(const struct gd__windows *w, uint32_t count, double length, struct gd__wedges to)
+static void store_straight(const struct gd__windows *w, uint32_t count, double length, bool gap, struct gd__wedges to)
 {
     const double scale = GD__WEDGE_UNITS / length;
     for (uint32_t i = 0; i < count; i += LANES) {
         store_first(to.x + i, load(w->x + i), count - i);
         store_first(to.y + i, all(-0.0) - load(w->y + i), count - i);
-        store_starts(to.start + i, starts_of(load(w->b0 + i), scale, i), ids_load(w->source + i), count - i);
+        store_starts(to.start + i, starts_of(load(w->b0 + i), scale, mask_of(i == 0 && !gap)), ids_load(w->source + i),
+                     count - i);
     }
 }
 
 /* From the last window to the first; groups begin before the list for the last of them, where a block's own arrays or its header lie. */
-static void store_mirrored(const struct gd__windows *w, uint32_t count, double length, struct gd__wedges to)
+static void store_mirrored(const struct gd__windows *w, uint32_t count, double length, bool gap, struct gd__wedges to)
 {
     const double scale = GD__WEDGE_UNITS / length;
     const lanes whole = all(length);
@@ -170,20 +173,33 @@ static void store_mirrored(const struct gd__windows *w, uint32_t count, double l
         ptrdiff_t at = (ptrdiff_t)count - i - LANES;
         store_first(to.x + i, reversed(whole - load(w->x + at)), count - i);
         store_first(to.y + i, reversed(load(w->y + at)), count - i);
-        store_starts(to.start + i, starts_of(reversed(whole - load(w->b1 + at)), scale, i),
+        store_starts(to.start + i, starts_of(reversed(whole - load(w->b1 + at)), scale, mask_of(i == 0 && !gap)),
                      ids_reversed(ids_load(w->source + at)), count - i);
     }
 }
 
-static bool store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored,
-                         struct gd__wedges to)
+static void store_gap(struct gd__wedges to, uint32_t at, double b, double length)
 {
-    if (WITH_LINEAR || has_gaps(w, count, length)) return false; /* a linear one is stored in another form: wedges.c */
+    double start = b * (GD__WEDGE_UNITS / length);
+    to.x[at] = to.y[at] = 0;
+    to.start[at] = (uint64_t)(start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST) | (uint64_t)GD_NONE << 32;
+}
+
+static uint32_t store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored, double *data)
+{
+    bool before, behind;
+    if (WITH_LINEAR || has_gaps(w, count, length, &before, &behind))
+        return 0; /* linear: in another form, see wedges.c */
+    bool first = mirrored ? behind : before, last = mirrored ? before : behind;
+    uint32_t total = count + first + last;
+    struct gd__wedges whole = gd__wedges_at(data, total), to = {whole.x + first, whole.y + first, whole.start + first};
     if (mirrored)
-        store_mirrored(w, count, length, to);
+        store_mirrored(w, count, length, first, to);
     else
-        store_straight(w, count, length, to);
-    return true;
+        store_straight(w, count, length, first, to);
+    if (first) store_gap(whole, 0, 0, length);
+    if (last) store_gap(whole, total - 1, mirrored ? length - w->b0[0] : w->b1[count - 1], length);
+    return total;
 }
 
 /* --- contests ------------------------------------------------------------------------------------------------------------ */
@@ -338,7 +354,8 @@ static void join(struct chain *chain, struct group *g, mask joined)
 }
 
 /* Contests each window with the one before it where they overlap, and cuts both where the overlap changes hands. */
-static inline void resolve(struct chain *chain, struct group *g, lanes b0_before, lanes b1_before, mask overlap)
+static inline __attribute__((always_inline)) void resolve(struct chain *chain, struct group *g, lanes b0_before,
+                                                          lanes b1_before, mask overlap)
 {
     const struct gd__windows *out = &chain->list->at;
     uint32_t count = chain->list->count;
@@ -364,8 +381,8 @@ static inline void resolve(struct chain *chain, struct group *g, lanes b0_before
 }
 
 /* Appends the windows of `keep`. */
-static inline void append(struct chain *chain, bool coalesce, mask keep, lanes b0, lanes b1, lanes x, lanes y,
-                          lanes sigma, ids source)
+static inline void append(struct chain *chain, bool more, bool coalesce, mask keep, lanes b0, lanes b1, lanes x,
+                          lanes y, lanes sigma, ids source)
 {
     uint32_t set = bits(keep);
     if (!set) return;
@@ -382,9 +399,11 @@ static inline void append(struct chain *chain, bool coalesce, mask keep, lanes b
         mask joined = find_joined(chain, &g, first_lanes(g.count));
         if (any(joined)) join(chain, &g, joined);
     }
-    chain->offered_b0 = offered_b0;
-    chain->offered_x = offered_x;
-    chain->offered_y = offered_y;
+    if (more) {
+        chain->offered_b0 = offered_b0;
+        chain->offered_x = offered_x;
+        chain->offered_y = offered_y;
+    }
     if (!g.count) return;
     const struct gd__windows *out = &chain->list->at;
     lanes b0_before = after(chain->b0, g.b0), b1_before = after(chain->b1, g.b1), whole_b0 = g.b0, whole_b1 = g.b1;
@@ -398,6 +417,7 @@ static inline void append(struct chain *chain, bool coalesce, mask keep, lanes b
     store(out->sigma + count, g.sigma);
     ids_store(out->source + count, g.source);
     chain->list->count = count + g.count;
+    if (!more) return;
     chain->b0 = last_of(whole_b0, g.count);
     chain->b1 = last_of(whole_b1, g.count);
     chain->x = last_of(g.x, g.count);
@@ -429,16 +449,19 @@ static inline mask wide_enough(mask may, lanes t0, lanes t1, lanes x, lanes y, d
 
 /* --- casting ------------------------------------------------------------------------------------------------------------- */
 
-/* Offers the apex the lengths of straight ways, by turns. */
+/* Offers the apex the lengths of straight ways, by turns. They are few: a root for all lanes would take longer than theirs. */
 static inline void reach_straight(struct gd__apex *apex, const struct gd__windows *w, uint32_t i, mask offers,
-                                  lanes ways)
+                                  double px, double py)
 {
-    double distance[LANES];
-    store(distance, ways);
     for (uint32_t left = bits(offers); left; left &= left - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(left), at = i + lane;
-        if (distance[lane] >= apex->distance * (1 - GD_TOL_BETTER)) continue;
-        apex->distance = distance[lane];
+        uint32_t at = i + (uint32_t)__builtin_ctz(left);
+        struct gd__window window = {.x = w->x[at], .y = w->y[at], .sigma = w->sigma[at]};
+#if WITH_LINEAR
+        window.source = w->source[at];
+#endif
+        double distance = gd__window_distance_beyond(&window, px, py);
+        if (distance >= apex->distance * (1 - GD_TOL_BETTER)) continue;
+        apex->distance = distance;
         apex->improved = true;
         apex->x = w->x[at];
         apex->y = w->y[at];
@@ -454,6 +477,14 @@ static inline void keep_unit(mask linear, lanes *x, lanes *y)
     *y = *y * scale;
 }
 
+/* a / b and c / d by one division, the dearest operation of all. */
+static inline void quotients(lanes a, lanes b, lanes c, lanes d, lanes *first, lanes *second)
+{
+    lanes inverse = all(1) / (b * d);
+    *first = a * (d * inverse);
+    *second = c * (b * inverse);
+}
+
 static void cast(const struct gd_side *side, const struct gd__windows *w, uint32_t count, bool coalesce,
                  struct gd__apex *apex, struct gd__children *left_list, struct gd__children *right_list)
 {
@@ -463,7 +494,10 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
     const lanes ux = all(side->left_x), uy = all(side->left_y), vx = all(side->right_x), vy = all(side->right_y);
     struct chain left = open_chain(left_list, GD_TOL_WIDTH * left_length),
                  right = open_chain(right_list, GD_TOL_WIDTH * right_length);
+    uint32_t last_left = GD_NONE, first_right = GD_NONE;
+    bool seen = false;
     for (uint32_t i = 0; i < count; i += LANES) {
+        const bool more = i + LANES < count;
         mask active = first_lanes(count - i);
         lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i),
               sigma = load(w->sigma + i);
@@ -483,22 +517,24 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
         mask passes_left = both(active, lt(k1, zero)), passes_right = both(active, gt(k0, zero)),
              straight = except(active, either(passes_left, passes_right));
         if (any(straight)) {
-            lanes way = root(hx * hx + hy * hy);
-            if (WITH_LINEAR) way = pick(linear, beyond, way);
-            reach_straight(apex, w, i, straight, sigma + way);
+            seen = true;
+            reach_straight(apex, w, i, straight, apex_x, apex_y);
         }
-        if (any(passes_left)) apex->last_left = i + last_set(passes_left);
-        if (any(passes_right) && apex->first_right == GD_NONE) apex->first_right = i + first_set(passes_right);
+        last_left = any(passes_left) ? i + last_set(passes_left) : last_left;
+        first_right = any(passes_right) && first_right == GD_NONE ? i + first_set(passes_right) : first_right;
 
         mask to_left = both(active, lt(k0, zero));
         if (any(to_left)) {
             lanes yl = uy * x + ux * y, xl = x * ux - y * uy, back = y * ux, minus_y = zero - y;
             if (WITH_LINEAR) keep_unit(linear, &xl, &yl);
-            lanes t0 = b0 * minus_y / (e0 * uy - back), t1 = b1 * minus_y / (e1 * uy - back);
-            t0 = pick(except(ge(t0, zero), le(b0, zero)), t0, zero);
-            t1 = pick(except(le(t1, all(left_length)), ge(k1, zero)), t1, all(left_length));
-            append(&left, coalesce, wide_enough(to_left, t0, t1, xl, yl, left_length, linear), t0, t1, xl, yl, sigma,
-                   source);
+            mask from_origin = le(b0, zero), to_apex = ge(k1, zero);
+            lanes t0, t1;
+            quotients(b0 * minus_y, pick(from_origin, all(1), e0 * uy - back), b1 * minus_y,
+                      pick(to_apex, all(1), e1 * uy - back), &t0, &t1);
+            t0 = pick(except(ge(t0, zero), from_origin), t0, zero);
+            t1 = pick(except(le(t1, all(left_length)), to_apex), t1, all(left_length));
+            append(&left, more, coalesce, wide_enough(to_left, t0, t1, xl, yl, left_length, linear), t0, t1, xl, yl,
+                   sigma, source);
         }
         mask to_right = both(active, gt(k1, zero));
         if (any(to_right)) {
@@ -510,13 +546,18 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
             }
             lanes yr = vy * rx - vx * ry, xr = rx * vx + ry * vy, back = y * vx;
             if (WITH_LINEAR) keep_unit(linear, &xr, &yr);
-            lanes t0 = (zero - k0) / (e0 * vy - back), t1 = (zero - k1) / (e1 * vy - back);
-            t0 = pick(except(ge(t0, zero), le(k0, zero)), t0, zero);
-            t1 = pick(except(le(t1, all(right_length)), ge(b1, whole)), t1, all(right_length));
-            append(&right, coalesce, wide_enough(to_right, t0, t1, xr, yr, right_length, linear), t0, t1, xr, yr,
+            mask from_apex = le(k0, zero), to_end = ge(b1, whole);
+            lanes t0, t1;
+            quotients(zero - k0, pick(from_apex, all(1), e0 * vy - back), zero - k1,
+                      pick(to_end, all(1), e1 * vy - back), &t0, &t1);
+            t0 = pick(except(ge(t0, zero), from_apex), t0, zero);
+            t1 = pick(except(le(t1, all(right_length)), to_end), t1, all(right_length));
+            append(&right, more, coalesce, wide_enough(to_right, t0, t1, xr, yr, right_length, linear), t0, t1, xr, yr,
                    farther, source);
         }
     }
+    apex->last_left = seen ? GD_NONE : last_left;
+    apex->first_right = seen ? GD_NONE : first_right;
 }
 
 #if WITH_LINEAR

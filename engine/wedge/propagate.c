@@ -1,7 +1,17 @@
 #include "wedge/wavefront.h"
 
-#define REMIND_AFTER 8 /* visits of a side: on meshes of any sense few sides have more than three */
-#define STORE_AFTER  4 /* where wedges are not wanted, but for the reminding */
+#define REMIND_AFTER 8    /* visits of a side: on meshes of any sense few sides have more than three */
+#define STORE_AFTER  4    /* where wedges are not wanted, but for the reminding */
+#define BESIDE       0.01 /* of the edge's length: a ray that passes the apex farther off did not lose it by rounding */
+#define LINE         64   /* bytes */
+#define LINES_BEFORE 16   /* a few lists' wedges */
+#define LINES_AHEAD  6    /* one list's */
+
+/* Wedges are written to memory that has not been seen yet: asks for the lines that a few lists on will fill. */
+static inline __attribute__((always_inline)) void prefetch_ahead(const char *end)
+{
+    for (int i = 0; i < LINES_AHEAD; i++) __builtin_prefetch(end + (ptrdiff_t)LINE * (LINES_BEFORE + i), 1);
+}
 
 /* Stores windows as a chunk of wedges of the side's edge. */
 static enum gd_status store(struct gd__wavefront *front, uint32_t side, const struct gd__windows *windows,
@@ -13,21 +23,30 @@ static enum gd_status store(struct gd__wavefront *front, uint32_t side, const st
     struct gd__chunk *chunk = (struct gd__chunk *)(front->work->wedges.base + front->work->wedges.used);
     double length = front->mesh->side[side].length;
     uint32_t *newest = gd__wavefront_newest(front, side >> 1);
-    *chunk = (struct gd__chunk){.previous = *newest, .count = count};
-    if (!front->kernel->store(windows, count, length, side & 1, gd__chunk_wedges(chunk)))
-        chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
+    chunk->previous = *newest;
+    chunk->count = front->kernel->store(windows, count, length, side & 1, chunk->data);
+    if (!chunk->count) chunk->count = gd__wedges_write(windows, count, length, side & 1, chunk->data);
     if (front->near) gd__near_side(front->near, side)->page.stays = true;
     *newest = (uint32_t)(front->work->wedges.used / GD__CHUNK_UNIT);
     front->work->wedges.used += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
     front->wedge_count += chunk->count;
+    prefetch_ahead(front->work->wedges.base + front->work->wedges.used);
     return GD_OK;
 }
 
 static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
+    if (!children->count) return;
     if (children->tangled != GD_NONE && !front->status)
         front->status = gd__untangle(children, &front->work->pool, GD_TOL_WIDTH * to->length, &front->work->scratch);
     gd__wavefront_deliver(front, to, children);
+}
+
+/* The ray through that end of the window leaves (px, py) at a distance of more than `apart`. */
+static inline bool passes_far_off(const struct gd__window *w, double end, double px, double py, double apart)
+{
+    double ex = end - w->x;
+    return !gd__window_is_linear(w) && fabs(ex * (py + w->y) - w->y * (px - w->x)) > apart * (fabs(ex) + w->y);
 }
 
 /* Offers the apex the way round the end of a window beside it. It counts where the window that would see the apex has been cut off by rounding: the
@@ -36,6 +55,7 @@ static void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, fx = px - end;
     struct gd__window window = gd__windows_get(w, at);
+    if (passes_far_off(&window, end, px, py, BESIDE * s->length)) return;
     if (!(gd__window_distance_beyond(&window, px, py) < apex->distance)) return;
     double distance = gd__window_distance(&window, end) + sqrt(fx * fx + py * py);
     if (distance >= apex->distance * (1 - GD_TOL_BETTER)) return;
@@ -57,7 +77,7 @@ static inline __attribute__((always_inline)) void cast(struct gd__wavefront *fro
     if (!front->status) front->status = gd__children_reserve(&front->work->right, &front->work->pool, count);
     if (front->status) return;
     front->effort.windows_propagated += count;
-    struct gd__apex apex = {.distance = front->distance[vertex], .last_left = GD_NONE, .first_right = GD_NONE};
+    struct gd__apex apex = {.distance = front->distance[vertex]};
     front->kernel->cast(s, windows, count, !front->methods.no_coalescing, &apex, &front->work->left,
                         &front->work->right);
     if (apex.last_left != GD_NONE) bend(&apex, s, windows, apex.last_left, windows->b1[apex.last_left]);

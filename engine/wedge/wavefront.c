@@ -132,6 +132,7 @@ static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t s
 
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
+    if (!children->count) return;
     if (front->domain && !gd__domain_has_side(front->domain, to->side)) {
         send(front, to->side, children);
         return;

@@ -75,7 +75,7 @@ uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, dou
     struct writer counter = {.length = length};
     put_all(&counter, windows, count, mirrored);
     uint32_t total = counter.count;
-    struct writer writer = {.to = {data, data + total, (uint64_t *)(data + 2 * (size_t)total)}, .length = length};
+    struct writer writer = {.to = gd__wedges_at(data, total), .length = length};
     put_all(&writer, windows, count, mirrored);
     return total;
 }

@@ -28,10 +28,15 @@ struct gd__chunk {
 #define GD__WEDGE_UNIT   (1.0 / GD__WEDGE_UNITS)
 #define GD__WEDGE_LATEST 4294967295.0 /* the last start */
 
+/* The arrays of so many wedges behind each other. */
+static inline struct gd__wedges gd__wedges_at(double *data, uint32_t count)
+{
+    return (struct gd__wedges){data, data + count, (uint64_t *)(data + 2 * (size_t)count)};
+}
+
 static inline struct gd__wedges gd__chunk_wedges(const struct gd__chunk *chunk)
 {
-    double *x = (double *)chunk->data;
-    return (struct gd__wedges){x, x + chunk->count, (uint64_t *)(x + 2 * (size_t)chunk->count)};
+    return gd__wedges_at((double *)chunk->data, chunk->count);
 }
 
 static inline uint32_t gd__wedge_start(uint64_t start)

@@ -88,6 +88,13 @@ static inline bool gd__window_same_source(const struct gd__window *a, const stru
     return fabs(a->x - b->x) <= tolerance && fabs(a->y - b->y) <= tolerance;
 }
 
+/* A window that goes on where the last one of its list ends, from the same source: both are one. */
+static inline bool gd__window_joins(const struct gd__window *last, const struct gd__window *w, double min_width)
+{
+    return last->b1 >= w->b0 - GD_TOL_ADJACENT * (w->b1 - w->b0) - min_width && last->b0 <= w->b0 &&
+           gd__window_same_source(last, w);
+}
+
 /* The same window seen from the other side of an edge of that length: used to compare, never to propagate. */
 static inline struct gd__window gd__window_mirrored(const struct gd__window *w, double length)
 {

@@ -47,6 +47,13 @@ static inline void gd__windows_put(const struct gd__windows *w, uint32_t i, cons
     w->source[i] = window->source;
 }
 
+/* The windows from place `first` on. */
+static inline struct gd__windows gd__windows_from(const struct gd__windows *w, uint32_t first)
+{
+    return (struct gd__windows){w->b0 + first, w->b1 + first,    w->x + first,
+                                w->y + first,  w->sigma + first, w->source + first};
+}
+
 /* Copies `count` windows in whole groups: up to a group more is overwritten behind them. The places must not overlap. */
 static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at, const struct gd__windows *from,
                                     uint32_t first, uint32_t count)
@@ -59,6 +66,17 @@ static inline void gd__windows_copy(const struct gd__windows *to, uint32_t at, c
         __builtin_memcpy(to->sigma + at + i, from->sigma + first + i, GD__WINDOWS_GROUP * sizeof(double));
         __builtin_memcpy(to->source + at + i, from->source + first + i, GD__WINDOWS_GROUP * sizeof(uint32_t));
     }
+}
+
+/* Moves `count` windows within their list. */
+static inline void gd__windows_move(const struct gd__windows *w, uint32_t to, uint32_t from, uint32_t count)
+{
+    __builtin_memmove(w->b0 + to, w->b0 + from, count * sizeof(double));
+    __builtin_memmove(w->b1 + to, w->b1 + from, count * sizeof(double));
+    __builtin_memmove(w->x + to, w->x + from, count * sizeof(double));
+    __builtin_memmove(w->y + to, w->y + from, count * sizeof(double));
+    __builtin_memmove(w->sigma + to, w->sigma + from, count * sizeof(double));
+    __builtin_memmove(w->source + to, w->source + from, count * sizeof(uint32_t));
 }
 
 /* Windows under construction: a block of its own that grows. All zero is empty. */
