@@ -8,40 +8,24 @@
 #include <sys/random.h>
 #include <unistd.h>
 
-#include "proto/many.h"
+#include "server/batch_item.h"
 #include "server/disk.h"
 #include "server/log.h"
 #include "server/reply.h"
-#include "server/router.h"
 #include "server/server.h"
 #include "server/thread.h"
 
-#define LOOK_NS      UINT64_C(500000000)
-#define RENEW_NS     UINT64_C(4000000000) /* a quarter of a lease */
-#define PAUSE_MS     500                  /* before an item that could not be done is taken again */
-#define NODE         33
-#define LARGEST_BODY ((size_t)4 << 20)
-#define CONTENT_TYPE "application/json"
-
-/* An item under way. */
-struct item {
-    struct server_transport transport; /* first: its exchange finds it by it */
-    struct server_batches *batches;
-    struct server_batch_claim claim;
-    char tag[SERVER_ETAG + 2];
-    struct item *next;
-    struct server_exchange *exchange; /* under the lock; NULL: answered */
-    unsigned status;                  /* 0: not answered */
-    char *answer;
-    size_t size;
-};
+#define LOOK_NS  UINT64_C(500000000)
+#define RENEW_NS UINT64_C(4000000000) /* a quarter of a lease */
+#define PAUSE_MS 500                  /* before an item that could not be done is taken again */
+#define NODE     33
 
 struct server_batches {
     struct server *server;
     struct server_thread *thread;
     pthread_mutex_t lock;
-    struct server_store_sql *sql; /* under the lock until it is there; NULL: not opened as yet */
-    struct item *items;           /* under the lock */
+    struct server_store_sql *sql;    /* under the lock until it is there; NULL: not opened as yet */
+    struct server_batch_item *items; /* under the lock */
     char node[NODE];
     uint64_t renewed_ns;
     char asked[SERVER_BATCH_ID]; /* the batch that `many` is of; of the thread, as that */
@@ -102,56 +86,32 @@ static bool has_queue(struct server_batches *batches)
 
 /* --- an item's answer --------------------------------------------------------------------------------------------- */
 
-static struct item *item_of(struct server_exchange *exchange)
-{
-    return (struct item *)exchange->transport;
-}
-
-static void take_answer(struct item *item, struct server_response *response)
-{
-    item->size = response->body ? response->size : 0;
-    item->answer = response->owned;
-    response->owned = NULL;
-    if (item->answer || !item->size) return;
-    item->answer = malloc(item->size);
-    if (item->answer)
-        memcpy(item->answer, response->body, item->size);
-    else
-        item->size = 0;
-}
-
 static void finish(struct server_exchange *exchange)
 {
-    struct item *item = item_of(exchange);
-    struct server_batches *batches = item->batches;
-    unsigned status = exchange->response.status;
-    take_answer(item, &exchange->response);
+    struct server_batch_item *item = server_batch_item_of(exchange);
+    struct server_batches *batches = item->owner;
+    server_batch_item_take_answer(item);
     pthread_mutex_lock(&batches->lock);
     item->exchange = NULL;
-    item->status = status;
+    item->status = exchange->response.status;
     pthread_mutex_unlock(&batches->lock);
     server_exchange_destroy(exchange);
     server_thread_wake(batches->thread);
 }
 
-static bool is_gone(struct server_exchange *exchange)
-{
-    return atomic_load_explicit(&exchange->job.is_unwanted, memory_order_relaxed);
-}
-
 /* The daemon could not take it up just now: that says nothing of the item. */
-static bool was_refused(const struct item *item)
+static bool was_refused(const struct server_batch_item *item)
 {
     return item->status == 503 || !item->size;
 }
 
 /* Time or memory ran out: another daemon, or another moment, may have more; but not for ever. */
-static bool may_get_through(const struct item *item)
+static bool may_get_through(const struct server_batch_item *item)
 {
     return (item->status == 504 || item->status == 507) && item->claim.attempts < SERVER_BATCH_TRIES;
 }
 
-static void settle(struct server_batches *batches, const struct item *item)
+static void settle(struct server_batches *batches, const struct server_batch_item *item)
 {
     const struct server_batch_claim *claim = &item->claim;
     if (was_refused(item) || may_get_through(item)) {
@@ -165,40 +125,28 @@ static void settle(struct server_batches *batches, const struct item *item)
 }
 
 /* An item that was answered, taken out of the list; NULL: there is none. */
-static struct item *take_answered(struct server_batches *batches)
+static struct server_batch_item *take_answered(struct server_batches *batches)
 {
     pthread_mutex_lock(&batches->lock);
-    struct item **link = &batches->items;
+    struct server_batch_item **link = &batches->items;
     while (*link && !(*link)->status) link = &(*link)->next;
-    struct item *item = *link;
+    struct server_batch_item *item = *link;
     if (item) *link = item->next;
     pthread_mutex_unlock(&batches->lock);
     return item;
 }
 
-static void free_item(struct item *item)
-{
-    free(item->answer);
-    free(item);
-}
-
 static void settle_all(struct server_batches *batches)
 {
-    struct item *item;
+    struct server_batch_item *item;
     while ((item = take_answered(batches))) {
         settle(batches, item);
         atomic_fetch_sub(&batches->running, 1);
-        free_item(item);
+        server_batch_item_free(item);
     }
 }
 
 /* --- leases ------------------------------------------------------------------------------------------------------- */
-
-/* Ends the item's work; its answer will be that it was cancelled. */
-static void give_up(struct item *item)
-{
-    if (item->exchange) atomic_store(&item->exchange->job.is_unwanted, true);
-}
 
 /* By the thread, which alone takes items out of the list. */
 static void renew(struct server_batches *batches)
@@ -207,14 +155,14 @@ static void renew(struct server_batches *batches)
     if (now_ns - batches->renewed_ns < RENEW_NS) return;
     batches->renewed_ns = now_ns;
     pthread_mutex_lock(&batches->lock);
-    struct item *item = batches->items;
+    struct server_batch_item *item = batches->items;
     pthread_mutex_unlock(&batches->lock);
     for (; item; item = item->next) {
         if (server_batch_queue_renew(batches->sql, item->claim.id, item->claim.item, batches->node) !=
             SERVER_STORE_ABSENT)
             continue;
         pthread_mutex_lock(&batches->lock);
-        give_up(item);
+        server_batch_item_give_up(item);
         pthread_mutex_unlock(&batches->lock);
     }
 }
@@ -236,62 +184,13 @@ static bool learn(struct server_batches *batches, const char *id, struct proto_p
     return is_read;
 }
 
-static bool set_body(struct server_exchange *exchange, const struct proto_writer *body, struct proto_problem *problem)
-{
-    struct server_budget *budget = &exchange->server->budget;
-    return proto_writer_check(body, problem) &&
-           server_body_prepare(&exchange->body, budget, body->size, LARGEST_BODY, problem) &&
-           server_body_append(&exchange->body, budget, body->data, body->size) &&
-           server_body_check(&exchange->body, budget, problem);
-}
-
-/* The exchange of an item; NULL with the problem. */
-static struct server_exchange *make_exchange(struct server_batches *batches, struct item *item,
-                                             struct proto_problem *problem)
-{
-    struct proto_writer body;
-    char target[PROTO_MESH_NAME + 64];
-    uint32_t number = (uint32_t)item->claim.item;
-    proto_writer_init(&body, LARGEST_BODY);
-    const char *question = proto_many_ask(&batches->many, number, &body);
-    snprintf(target, sizeof target, "/v1/meshes/%s/%s", proto_many_mesh(&batches->many, number), question);
-    struct server_exchange *exchange = server_exchange_create(batches->server, &item->transport, target);
-    bool is_made = exchange != NULL;
-    if (!is_made) (void)proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    if (is_made) {
-        exchange->method = "POST";
-        exchange->tenant = item->claim.tenant;
-        server_exchange_add_header(exchange, "Content-Type", CONTENT_TYPE);
-        if (item->tag[0]) server_exchange_add_header(exchange, "If-Match", item->tag);
-        snprintf(exchange->request_id, sizeof exchange->request_id, "%s-%u", item->claim.id, number);
-        is_made = proto_route_find(proto_routes, proto_route_count, exchange->method, exchange->path, &exchange->match,
-                                   problem) &&
-                  set_body(exchange, &body, problem);
-    }
-    proto_writer_free(&body);
-    if (is_made) return exchange;
-    server_exchange_destroy(exchange);
-    return NULL;
-}
-
-static void add(struct server_batches *batches, struct item *item, struct server_exchange *exchange)
+static void add(struct server_batches *batches, struct server_batch_item *item)
 {
     pthread_mutex_lock(&batches->lock);
-    item->exchange = exchange;
     item->next = batches->items;
     batches->items = item;
     pthread_mutex_unlock(&batches->lock);
     atomic_fetch_add(&batches->running, 1);
-}
-
-/* As a connection does it. */
-static void run(struct server_exchange *exchange)
-{
-    server_router_dispatch(exchange);
-    if (exchange->response.status)
-        finish(exchange);
-    else
-        server_exchange_submit(exchange);
 }
 
 /* An item that was begun so often, each time by a daemon that did not live to tell, or that can't be asked. */
@@ -299,7 +198,7 @@ static void refuse(struct server_batches *batches, const struct server_batch_cla
                    const struct proto_problem *problem)
 {
     struct proto_writer writer;
-    struct item item = {.claim = *claim, .status = problem->status};
+    struct server_batch_item item = {.claim = *claim, .status = problem->status};
     proto_writer_init(&writer, SERVER_REPLY_MOST);
     proto_problem_encode(&writer, problem);
     item.answer = proto_writer_take(&writer, &item.size);
@@ -310,23 +209,16 @@ static void refuse(struct server_batches *batches, const struct server_batch_cla
 static void begin(struct server_batches *batches, const struct server_batch_claim *claim)
 {
     struct proto_problem problem;
-    struct server_exchange *exchange = NULL;
-    struct item *item = calloc(1, sizeof *item);
-    if (claim->attempts > SERVER_BATCH_TRIES) {
+    struct server_batch_item *item = NULL;
+    if (claim->attempts > SERVER_BATCH_TRIES)
         (void)proto_problem_set(&problem, PROTO_PROBLEM_INTERNAL,
                                 "this item was begun %d times, and no daemon lived to answer it", SERVER_BATCH_TRIES);
-    } else if (!item) {
-        (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
-    } else if (learn(batches, claim->id, &problem)) {
-        *item = (struct item){.transport = {.finish = finish, .is_gone = is_gone}, .batches = batches, .claim = *claim};
-        if (claim->etag[0]) snprintf(item->tag, sizeof item->tag, "\"%s\"", claim->etag);
-        exchange = make_exchange(batches, item, &problem);
-    }
-    if (exchange) {
-        add(batches, item, exchange);
-        run(exchange);
+    else if (learn(batches, claim->id, &problem))
+        item = server_batch_item_create(batches->server, &batches->many, claim, finish, batches, &problem);
+    if (item) {
+        add(batches, item);
+        server_batch_item_run(item);
     } else {
-        free(item);
         refuse(batches, claim, &problem);
     }
 }
@@ -385,7 +277,7 @@ void server_batches_drain(struct server_batches *batches)
 {
     atomic_store(&batches->is_draining, true);
     pthread_mutex_lock(&batches->lock);
-    for (struct item *item = batches->items; item; item = item->next) give_up(item);
+    for (struct server_batch_item *item = batches->items; item; item = item->next) server_batch_item_give_up(item);
     pthread_mutex_unlock(&batches->lock);
 }
 
@@ -410,8 +302,8 @@ void server_batches_wake(struct server_batches *batches)
 void server_batches_end(struct server_batches *batches, const char *id)
 {
     pthread_mutex_lock(&batches->lock);
-    for (struct item *item = batches->items; item; item = item->next)
-        if (strcmp(item->claim.id, id) == 0) give_up(item);
+    for (struct server_batch_item *item = batches->items; item; item = item->next)
+        if (strcmp(item->claim.id, id) == 0) server_batch_item_give_up(item);
     pthread_mutex_unlock(&batches->lock);
 }
 
