@@ -179,6 +179,20 @@ class Daemon:
     def terminate(self):
         self.process.send_signal(signal.SIGTERM)
 
+    def reload(self):
+        """Sends SIGHUP; the event that the daemon logs about it."""
+        before = len(self.reloads())
+        self.process.send_signal(signal.SIGHUP)
+        until = time.monotonic() + PATIENCE_SECONDS
+        while len(self.reloads()) == before:
+            if time.monotonic() > until:
+                raise TimeoutError("nothing was logged of a reload")
+            time.sleep(0.005)
+        return self.reloads()[-1]
+
+    def reloads(self):
+        return [line for line in self.log if line["event"] in ("reloaded", "reload_failed")]
+
     def stop(self):
         """Ends the daemon as an operator would; returns its exit status. It may have said nothing but its log: so sanitizers have their say."""
         if self.process.poll() is None:

@@ -9,7 +9,8 @@ class LineResult(unittest.TestResult):
         self.started = time.monotonic()
 
     def report(self, verdict, test):
-        print(f"{verdict:5} {time.monotonic() - self.started:7.3f} s  {test.id()}", flush=True)
+        now = time.monotonic()
+        print(f"{verdict:5} {now - getattr(self, 'started', now):7.3f} s  {test.id()}", flush=True)  # a class that fails or is skipped as a whole has not started
 
     def addSuccess(self, test):
         super().addSuccess(test)
@@ -21,7 +22,6 @@ class LineResult(unittest.TestResult):
 
     def addError(self, test, error):
         super().addError(test, error)
-        self.started = getattr(self, "started", time.monotonic())
         self.report("not ok", test)
 
     def addSkip(self, test, reason):

@@ -5,7 +5,6 @@ import gzip
 import hashlib
 import json
 import pathlib
-import signal
 import subprocess
 import tempfile
 import time
@@ -63,19 +62,6 @@ class Keyed(TestCase):
             self.assertLess(time.monotonic(), until)
             time.sleep(0.005)
         return found[0]
-
-    def reload(self):
-        """Sends SIGHUP; the event that the daemon logs about it."""
-        before = len(self.reloads())
-        self.daemon.process.send_signal(signal.SIGHUP)
-        until = time.monotonic() + PATIENCE_SECONDS
-        while len(self.reloads()) == before:
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.005)
-        return self.reloads()[-1]
-
-    def reloads(self):
-        return [entry for entry in self.daemon.log if entry["event"] in ("reloaded", "reload_failed")]
 
 
 class Roles(Keyed):
@@ -224,18 +210,18 @@ class Reload(Keyed):
     def test_reload(self):
         self.file.write_text(line("second") + line("third", "role=write"))
         self.assertEqual(self.ask("GET", "/v1", "third").status, 401)
-        self.assertEqual(self.reload()["event"], "reloaded")
+        self.assertEqual(self.daemon.reload()["event"], "reloaded")
         self.assertEqual([self.ask("GET", "/v1", name).status for name in ("first", "second", "third")], [401, 200, 200])
         self.file.write_text("second sha256:broken\n")
-        told = self.reload()
+        told = self.daemon.reload()
         self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))
         self.assertIn(f"{self.file}:1: ", told["message"])
         self.assertEqual([self.ask("GET", "/v1", name).status for name in ("first", "second", "third")], [401, 200, 200])
         self.file.unlink()
-        self.assertEqual(self.reload()["event"], "reload_failed")
+        self.assertEqual(self.daemon.reload()["event"], "reload_failed")
         self.assertEqual(self.ask("GET", "/v1", "second").status, 200)
         self.file.write_text(self.keys)
-        self.assertEqual(self.reload()["event"], "reloaded")
+        self.assertEqual(self.daemon.reload()["event"], "reloaded")
 
     def test_reloads_under_load(self):
         """Requests are answered as their key wants it, whenever the file is read again."""
@@ -249,7 +235,7 @@ class Reload(Keyed):
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
             asked = [pool.submit(ask, number) for number in range(4)]
             while time.monotonic() < stop:
-                self.assertEqual(self.reload()["event"], "reloaded")
+                self.assertEqual(self.daemon.reload()["event"], "reloaded")
             self.assertEqual([future.result() for future in asked], [{200}] * 4)
 
 

@@ -3,12 +3,10 @@ import http.client
 import json
 import pathlib
 import shutil
-import signal
 import socket
 import ssl
 import subprocess
 import tempfile
-import time
 import unittest
 
 from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, sample
@@ -74,18 +72,6 @@ class Tls(unittest.TestCase):
                     pass
         return received
 
-    def reload(self):
-        before = len(self.reloads())
-        self.daemon.process.send_signal(signal.SIGHUP)
-        until = time.monotonic() + PATIENCE_SECONDS
-        while len(self.reloads()) == before:
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.005)
-        return self.reloads()[-1]
-
-    def reloads(self):
-        return [line for line in self.daemon.log if line["event"] in ("reloaded", "reload_failed")]
-
     def test_an_upload_and_a_question(self):
         self.assertEqual([line["protocol"] for line in self.daemon.log if line["event"] == "listening"], ["https"])
         mesh = sample("icosphere", level=5)
@@ -127,7 +113,7 @@ class Tls(unittest.TestCase):
         kept.request("GET", "/livez")
         kept.getresponse().read()
         self.install(self.second)
-        self.assertEqual(self.reload()["event"], "reloaded")
+        self.assertEqual(self.daemon.reload()["event"], "reloaded")
         self.assertEqual(self.ask(self.second, "GET", "/livez")[0].status, 200)
         with self.assertRaises(ssl.SSLCertVerificationError):
             self.ask(self.first, "GET", "/livez")
@@ -137,14 +123,14 @@ class Tls(unittest.TestCase):
 
     def test_a_bad_reload_changes_nothing(self):
         shutil.copy(self.second[0], self.certificate)  # with the first one's key
-        told = self.reload()
+        told = self.daemon.reload()
         self.assertEqual((told["event"], told["level"]), ("reload_failed", "error"))
         self.assertIn("is not that of the certificate", told["message"])
         for text in ("", "rubbish"):
             self.certificate.write_text(text)
-            self.assertIn(str(self.certificate), self.reload()["message"])
+            self.assertIn(str(self.certificate), self.daemon.reload()["message"])
         self.key.unlink()
-        self.assertEqual(self.reload()["event"], "reload_failed")
+        self.assertEqual(self.daemon.reload()["event"], "reload_failed")
         self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
 
     def test_files_that_cannot_be_used(self):

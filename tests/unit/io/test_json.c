@@ -1,4 +1,4 @@
-#include "tests/unit/io/reading.h"
+#include "tests/unit/io/reader_tests.h"
 
 #define VERTICES      "\"vertices\":[[0,0,0],[1,0,0],[0,1,0]]"
 #define TRIANGLE_MESH "0 0 0; 1 0 0; 0 1 0 | 0 1 2"
@@ -77,23 +77,9 @@ static const struct bad_input bad[] = {
     {WITH_X("1\0"), GD_SYNTAX, 15, NULL},
 };
 
-static void reads_good_input(void **state)
+static void what_is_read_is_whole(void **state)
 {
-    (void)state;
-    check_good(GD_FORMAT_JSON, good, COUNT_OF(good));
-}
-
-static void refuses_bad_input(void **state)
-{
-    (void)state;
-    check_bad(GD_FORMAT_JSON, bad, COUNT_OF(bad));
-}
-
-/* All that is valid is whole: no beginning of a document is one, but for space at its end. */
-static void survives_truncation(void **state)
-{
-    (void)state;
-    check_truncations(GD_FORMAT_JSON, good, COUNT_OF(good));
+    (void)state; /* no beginning of a document is one, but for space at its end */
     for (size_t size = 1; size < good[0].size; size++) {
         struct gd_polygons polygons;
         assert_int_equal(read_copy(good[0].bytes, size, GD_FORMAT_JSON, NULL, &polygons, NULL), GD_TRUNCATED);
@@ -102,10 +88,7 @@ static void survives_truncation(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_good_input),
-        cmocka_unit_test(refuses_bad_input),
-        cmocka_unit_test(survives_truncation),
-    };
+    struct reader reader = {GD_FORMAT_JSON, good, COUNT_OF(good), bad, COUNT_OF(bad)};
+    const struct CMUnitTest tests[] = {READER_TESTS(&reader), cmocka_unit_test(what_is_read_is_whole)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

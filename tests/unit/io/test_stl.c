@@ -1,4 +1,4 @@
-#include "tests/unit/io/reading.h"
+#include "tests/unit/io/reader_tests.h"
 
 #define TRIANGLE_MESH "0 0 0; 1 0 0; 0 1 0 | 0 1 2"
 
@@ -75,30 +75,9 @@ static const struct bad_input bad[] = {
     {BYTES("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0 1\nvertex 1 0 0\n"), GD_SYNTAX, 4, "found '1'"},
 };
 
-static void reads_good_input(void **state)
-{
-    (void)state;
-    check_good(GD_FORMAT_STL, good, COUNT_OF(good));
-}
-
-static void refuses_bad_input(void **state)
-{
-    (void)state;
-    check_bad(GD_FORMAT_STL, bad, COUNT_OF(bad));
-}
-
-static void survives_truncation(void **state)
-{
-    (void)state;
-    check_truncations(GD_FORMAT_STL, good, COUNT_OF(good));
-}
-
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_good_input),
-        cmocka_unit_test(refuses_bad_input),
-        cmocka_unit_test(survives_truncation),
-    };
+    struct reader reader = {GD_FORMAT_STL, good, COUNT_OF(good), bad, COUNT_OF(bad)};
+    const struct CMUnitTest tests[] = {READER_TESTS(&reader)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,38 @@
+/* What the tests of every reader are: tables of what it reads and refuses, and every beginning of what it reads. */
+#ifndef TESTS_UNIT_IO_READER_TESTS_H
+#define TESTS_UNIT_IO_READER_TESTS_H
+
+#include "tests/unit/io/reading.h"
+
+struct reader {
+    enum gd_format format;
+    const struct good_input *good;
+    size_t good_count;
+    const struct bad_input *bad;
+    size_t bad_count;
+};
+
+static void reads_good_input(void **state)
+{
+    const struct reader *reader = *state;
+    check_good(reader->format, reader->good, reader->good_count);
+}
+
+static void refuses_bad_input(void **state)
+{
+    const struct reader *reader = *state;
+    check_bad(reader->format, reader->bad, reader->bad_count);
+}
+
+static void survives_truncation(void **state)
+{
+    const struct reader *reader = *state;
+    check_truncations(reader->format, reader->good, reader->good_count);
+}
+
+/* In a table of tests; `reader` outlives it. */
+#define READER_TESTS(reader)                                                                                           \
+    cmocka_unit_test_prestate(reads_good_input, reader), cmocka_unit_test_prestate(refuses_bad_input, reader),         \
+        cmocka_unit_test_prestate(survives_truncation, reader)
+
+#endif
