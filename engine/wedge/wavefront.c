@@ -11,8 +11,10 @@
 #define RECORDS_AHEAD 9    /* places in the queue: see prefetch_records */
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
-#define WORK_LEAST    (UINT64_C(1) << 25) /* windows: a second's work */
-#define WORK_FACTOR   64
+#define SIDES_IN_CACHE                                                                                                 \
+    20000 /* of a mesh that a second-level cache holds, records and all: asking ahead costs 3 % there */
+#define WORK_LEAST  (UINT64_C(1) << 25) /* windows: a second's work */
+#define WORK_FACTOR 64
 
 /* --- distances, windows, order ------------------------------------------------------------------------------------------- */
 
@@ -323,13 +325,16 @@ static void check(struct gd__wavefront *front)
 void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t most)
 {
     uint32_t sides = 2 * front->mesh->edge_count, node;
+    const bool is_large = sides > SIDES_IN_CACHE;
     uint64_t next_check = 0;
     for (uint64_t work = 0; work < most && !front->status; work++) {
         node = gd__queue_pop(front->queue, end);
         if (node == GD_NONE) break;
-        prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
-        prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
-        prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
+        if (is_large) {
+            prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
+            prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
+            prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
+        }
         if (node < sides)
             work_on_side(front, node);
         else
