@@ -64,6 +64,8 @@ static enum gd_status run(struct search *search, struct gd__guide *guide, double
 {
     double rounding = guide->margin + GD_TOL_PLACE * (search->mesh->summary.edge_length.max / search->mesh->unit);
     search->bound = bound + rounding; /* between points close together it is more than a part of their distance */
+    enum gd_status status = gd__rings_draw(guide, &search->seed.point, search->bound);
+    if (status) return status;
     struct gd__propagation propagation = {
         .seeds = &search->seed, .seed_count = 1, .radius = search->bound, .guide = guide};
     struct gd__sink sink = {.take = answer, .user = search};

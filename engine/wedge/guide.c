@@ -19,12 +19,11 @@
 size_t gd__guide_held(const struct gd__guide *guide)
 {
     return (size_t)guide->mesh->vertex_count * sizeof *guide->node + guide->touched_capacity * sizeof *guide->touched +
-           guide->heap_capacity * sizeof *guide->heap;
+           guide->heap_capacity * sizeof *guide->heap + gd__rings_held(&guide->rings);
 }
 
-/* Doubles an array of the guide that is full. */
-static enum gd_status make_room(const struct gd__guide *guide, void **array, uint32_t count, uint32_t *capacity,
-                                size_t size)
+enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count, uint32_t *capacity,
+                                   size_t size)
 {
     if (count < *capacity) return GD_OK;
     uint32_t larger = *capacity ? 2 * *capacity : 1024;
@@ -40,8 +39,8 @@ static enum gd_status make_room(const struct gd__guide *guide, void **array, uin
 static enum gd_status touch(struct gd__guide *guide, uint32_t vertex)
 {
     if (guide->node[vertex].touched) return GD_OK;
-    enum gd_status status = make_room(guide, (void **)&guide->touched, guide->touched_count, &guide->touched_capacity,
-                                      sizeof *guide->touched);
+    enum gd_status status = gd__guide_make_room(guide, (void **)&guide->touched, guide->touched_count,
+                                                &guide->touched_capacity, sizeof *guide->touched);
     if (status) return status;
     guide->touched[guide->touched_count++] = vertex;
     guide->node[vertex].touched = true;
@@ -72,19 +71,24 @@ static double by_landmarks(const struct gd__guide *guide, const struct gd__guide
     return bound[0] * (1 - 2 * GD_TOL_FLOAT) - GD_TOL_FLOAT_LEAST;
 }
 
-/* Of the way from a vertex to one of the two ends, as the straight line tells it. */
-static double lower_by_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
+double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end)
 {
     return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
 }
 
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
 {
-    double lower = lower_by_line(guide, vertex, &guide->target);
+    double lower = gd__guide_line(guide, vertex, &guide->target);
     if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
+    if (guide->rings.count) lower = fmax(lower, gd__rings_lower(guide, vertex));
     if (lower < 0) lower = 0;
     if (touch(guide, vertex)) return lower; /* without room it is measured again */
     return guide->node[vertex].lower = lower;
+}
+
+void gd__guide_ask_again(struct gd__guide *guide)
+{
+    for (uint32_t i = 0; i < guide->touched_count; i++) guide->node[guide->touched[i]].lower = -1;
 }
 
 /* A point's bounds, from those of its corners; landmarks in other components say nothing. */
@@ -139,7 +143,8 @@ static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct off
     if (node->closed || offer.upper >= node->upper) return GD_OK;
     enum gd_status status = touch(guide, vertex);
     if (!status)
-        status = make_room(guide, (void **)&guide->heap, guide->heap_count, &guide->heap_capacity, sizeof *guide->heap);
+        status = gd__guide_make_room(guide, (void **)&guide->heap, guide->heap_count, &guide->heap_capacity,
+                                     sizeof *guide->heap);
     if (status) return status;
     node->upper = offer.upper;
     node->parent = offer.parent;
@@ -157,7 +162,7 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, con
 {
     const struct gd_mesh *mesh = guide->mesh;
     const struct gd_side *across = &mesh->side[s->right];
-    if (across->left == GD_NONE) return GD_OK;
+    if (across->left == GD_NONE || guide->node[gd__side_apex(mesh, s->right)].closed) return GD_OK;
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
     double x = -(px * s->right_x + py * s->right_y), y = py * s->length / s->right_length;
     double dx = across->left_length * across->left_x - x, dy = across->left_length * across->left_y + y,
@@ -167,8 +172,7 @@ static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, con
     return relax(guide, gd__side_apex(mesh, s->right), offer, from);
 }
 
-/* A step of the search: now and then looks at the control. */
-static enum gd_status step(struct gd__guide *guide)
+enum gd_status gd__guide_step(struct gd__guide *guide)
 {
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
@@ -181,7 +185,7 @@ static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const str
     guide->node[vertex].closed = true;
     for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
         const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        status = step(guide);
+        status = gd__guide_step(guide);
         struct offer along = {upper + s->length, vertex, GD_NONE}, last = {upper + s->left_length, vertex, GD_NONE};
         if (!status) status = relax(guide, mesh->fan[i].tip, along, from);
         if (!status && gd__side_is_boundary(mesh, s->left))
@@ -299,8 +303,8 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
         const struct gd__guide_node *node = &guide->node[v];
         double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
                run = whole - node->upper;
-        forth += step * work_at(run, node->upper, lower_by_line(guide, v, &guide->target));
-        back += step * work_at(node->upper, run, lower_by_line(guide, v, &start));
+        forth += step * work_at(run, node->upper, gd__guide_line(guide, v, &guide->target));
+        back += step * work_at(node->upper, run, gd__guide_line(guide, v, &start));
     }
     return back < forth;
 }
@@ -323,6 +327,7 @@ enum gd_status gd__guide_turn(struct gd__guide *guide, const struct gd_point *fr
 void gd__guide_clean(struct gd__guide *guide)
 {
     clean_touched(guide);
+    gd__rings_clean(&guide->rings);
     guide->heap_count = 0;
     guide->landmark = NULL;
     guide->control = NULL;
@@ -333,5 +338,6 @@ void gd__guide_destroy(struct gd__guide *guide)
     free(guide->node);
     free(guide->touched);
     free(guide->heap);
+    gd__rings_destroy(&guide->rings);
     *guide = (struct gd__guide){0};
 }

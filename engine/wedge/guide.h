@@ -1,12 +1,12 @@
 /* Guide: what is known of the way from anywhere to one target before windows are propagated: lower bounds, which prune, and upper bounds, which
  * shrink the bound of the search.
  *
- * Lower: the straight line in space, and by landmarks |d(l, v) - d(l, t)|. Upper: shortest paths to the target in the graph of edges and of
+ * Lower: the straight line in space, one from ring to ring (wedge/rings.h), and by landmarks |d(l, v) - d(l, t)|. Upper: shortest paths to the target in the graph of edges and of
  * straight ways across one edge, found by A*. All are rounded to the safe side. Of one thread. */
 #ifndef GD_WEDGE_GUIDE_H
 #define GD_WEDGE_GUIDE_H
 
-#include "wedge/anchor.h"
+#include "wedge/rings.h"
 
 #define GD__FAR            1e300 /* not reached yet; inside lengths stay far below */
 #define GD__LANDMARKS_MOST 16
@@ -43,6 +43,7 @@ struct gd__guide {
     uint32_t heap_count, heap_capacity;
     const float *landmark; /* GD__LANDMARKS_MOST for each vertex, 0 where there is none; NULL: none */
     struct gd__guide_sight from_target, from_start;
+    struct gd__rings rings;
 };
 
 /* Aims at `to`, all zero or used before, and finds paths to it from what lies between it and `from`. *upper: the length of a path between them,
@@ -72,6 +73,19 @@ static inline double gd__guide_lower(struct gd__guide *guide, uint32_t vertex)
     const struct gd__guide_node *node = &guide->node[vertex];
     return node->lower >= 0 ? node->lower : gd__guide_measure(guide, vertex);
 }
+
+/* Lower bound of the way from a vertex to one of the two ends, as the straight line tells it. */
+double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end);
+
+/* Of the sources of this room: lower bounds that were told before are measured again. O(vertices touched). */
+void gd__guide_ask_again(struct gd__guide *guide);
+
+/* Makes room in one of its arrays for one entry behind `count`. GD_NO_MEMORY, GD_BUDGET. */
+GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count,
+                                               uint32_t *capacity, size_t size);
+
+/* An entry of a fan has been worked on: now and then looks at the control. GD_DEADLINE, GD_CANCELLED. */
+GD_MUST_USE enum gd_status gd__guide_step(struct gd__guide *guide);
 
 /* Forgets the target, the landmarks and the control. */
 void gd__guide_clean(struct gd__guide *guide);

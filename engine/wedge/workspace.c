@@ -221,7 +221,7 @@ size_t gd_workspace_bytes(const struct gd_workspace *w)
     if (w->newest)
         bytes += w->result_vertices * (sizeof *w->distance + sizeof *w->birth) + w->result_edges * sizeof *w->newest;
     bytes += w->guide.capacity * sizeof *w->guide.node + w->guide.touched_capacity * sizeof *w->guide.touched +
-             w->guide.heap_capacity * sizeof *w->guide.heap;
+             w->guide.heap_capacity * sizeof *w->guide.heap + gd__rings_held(&w->guide.rings);
     if (w->partner) bytes += gd_workspace_bytes(w->partner);
     return bytes + (w->queue ? sizeof *w->queue : 0);
 }

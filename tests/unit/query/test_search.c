@@ -107,6 +107,7 @@ static void check_clean(const struct gd__guide *guide, const struct gd_mesh *mes
         const struct gd__guide_node *node = &guide->node[v];
         assert_true(node->upper >= GD__FAR && node->lower < 0 && node->parent == GD_NONE && node->across == GD_NONE);
         assert_true(!node->closed && !node->touched);
+        assert_true(!guide->rings.hops || guide->rings.hops[v] == 0);
     }
 }
 

@@ -1,0 +1,57 @@
+/* Rings: sets of vertices round the target of a guide, so many edges apart, through all of which any way to it passes in turn, and what they tell of the
+ * length of such a way: a straight line in space from ring to ring comes nearer to the surface than one to the target itself.
+ *
+ * A vertex' hops are counted from the target's corners, along edges between vertices that a way within the bound may pass by. Along such a way they change by
+ * one from vertex to vertex, so that it meets, wherever it has k of them, a vertex that has k or the edge between two: those vertices are the ring at k.
+ * What is stored for a ring's vertices bounds the ways from all points of its edges too, between two vertices by a linear function: the least of linear functions
+ * is concave, and a distance in space lies below its chord by s^2 / 8 d at the most on an edge of length s as far as d away. */
+#ifndef GD_WEDGE_RINGS_H
+#define GD_WEDGE_RINGS_H
+
+#include "wedge/anchor.h"
+
+#define GD__RING_LANES 8
+
+struct gd__guide;
+
+/* Vertices of a ring: places from the target, and lower bounds of the ways to it, both over the search's bound. Empty lanes are far off. */
+struct gd__ring_group {
+    float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES];
+};
+
+struct gd__ring {
+    uint32_t first; /* its groups, up to those of the next ring */
+    float longest;  /* edge of its vertices */
+};
+
+/* Those of one search; all zero: none. Of one thread. */
+struct gd__rings {
+    struct gd__ring *ring; /* the first is the target itself; one more, which ends the last */
+    uint32_t count, capacity;
+    struct gd__ring_group *group;
+    uint32_t group_count, group_capacity;
+    uint32_t *hops; /* per vertex: 1 + hops from the target; 0: not marked */
+    uint32_t vertices;
+    uint32_t *marked; /* vertices, by their hops */
+    uint32_t marked_count, marked_capacity;
+    double bound; /* of the search */
+    float slack;  /* of a step from ring to ring, for rounding */
+};
+
+/* Draws rings round the guide's target out to `from`, for a search for ways that are no longer than `bound`, where the bounds that there are leave too much to do;
+ * lower bounds that the guide told already may rise. GD_NO_MEMORY, GD_BUDGET, GD_DEADLINE, GD_CANCELLED. Cost: some 100 ns for each vertex from which the straight lines to both
+ * ends are within the bound. */
+GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from, double bound);
+
+/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell; GD__FAR: none within the bound passes it by. O(vertices of a ring). */
+double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
+
+/* Forgets them. */
+void gd__rings_clean(struct gd__rings *rings);
+
+/* Bytes that they hold. */
+size_t gd__rings_held(const struct gd__rings *rings);
+
+void gd__rings_destroy(struct gd__rings *rings);
+
+#endif
