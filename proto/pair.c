@@ -5,6 +5,8 @@
 #include "proto/decode.h"
 #include "proto/path.h"
 
+#define ENDS_BYTES 800 /* about: of an answer but for the path */
+
 const char *const proto_distance_fields[] = {"distance", "reason", "from", "to", "via", NULL};
 const char *const proto_path_fields[] = {"distance", "reason", "from", "to", "via", "path", NULL};
 const char *const proto_pair_parameters[] = {"from", "to", "via", NULL};
@@ -103,6 +105,8 @@ void proto_pair_encode(struct proto_writer *writer, const struct proto_located_p
                        const struct gd_pair_answer *answer, const struct proto_options *options)
 {
     uint32_t fields = options->fields, last = stops->count - 1;
+    size_t path_bytes = fields & PROTO_PAIR_FIELD_PATH ? proto_path_bytes(&answer->path, options->geometry) : 0;
+    proto_writer_expect(writer, ENDS_BYTES + path_bytes); /* at once: it is most of what an answer's memory costs */
     proto_write_object_begin(writer);
     encode_distance(writer, answer->distance, fields);
     if (fields & PROTO_PAIR_FIELD_FROM) encode_end(writer, "from", stops, 0);

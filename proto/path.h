@@ -11,6 +11,9 @@
 void proto_path_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_path *path,
                        enum proto_geometry geometry);
 
+/* About how many bytes its points take. */
+size_t proto_path_bytes(const struct gd_path *path, enum proto_geometry geometry);
+
 /* One of its points; the geometry is full or xyz. */
 void proto_path_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_point *point,
                              enum proto_geometry geometry);

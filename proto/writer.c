@@ -63,8 +63,9 @@ static bool grow(struct proto_writer *writer, size_t more)
 {
     if (writer->failure != PROTO_WRITER_FINE) return false;
     if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
-    size_t capacity = writer->capacity ? writer->capacity : FIRST_CAPACITY;
-    while (capacity < writer->size + more) capacity = capacity > writer->maximum / 2 ? writer->maximum : 2 * capacity;
+    size_t capacity = writer->capacity > writer->maximum / 2 ? writer->maximum : 2 * writer->capacity;
+    if (capacity < FIRST_CAPACITY) capacity = FIRST_CAPACITY;
+    if (capacity < writer->size + more) capacity = writer->size + more;
     if (capacity > writer->maximum) capacity = writer->maximum;
     char *data = realloc(writer->data, capacity);
     if (!data) return fail(writer, PROTO_WRITER_NO_MEMORY);

@@ -167,6 +167,11 @@ void server_connection_received(struct server_connection *connection)
     if (was_idle && server_grammar_is_in_head(&connection->grammar)) set_deadline(connection, gd_now_ns() + HEAD_NS);
 }
 
+void server_connection_ask(struct server_connection *connection)
+{
+    atomic_store_explicit(&connection->is_asked, true, memory_order_relaxed);
+}
+
 void server_connection_begin(struct server_connection *connection)
 {
     connection->is_busy = true;
@@ -183,6 +188,7 @@ void server_connection_answer(struct server_connection *connection, size_t size,
 void server_connection_end(struct server_connection *connection)
 {
     connection->is_busy = false;
+    atomic_store_explicit(&connection->is_asked, false, memory_order_release);
     if (server_grammar_is_in_head(&connection->grammar))
         set_deadline(connection, gd_now_ns() + HEAD_NS);
     else
@@ -194,6 +200,16 @@ bool server_connection_is_in_body(const struct server_connection *connection)
     const struct server_grammar *grammar = &connection->grammar;
     bool is_between = grammar->state == SERVER_GRAMMAR_START || server_grammar_is_in_head(grammar);
     return grammar->heads == connection->requests && !is_between;
+}
+
+uint32_t server_connections_under_way(struct server_connections *connections)
+{
+    uint32_t count = 0;
+    pthread_mutex_lock(&connections->lock);
+    for (struct entry *entry = connections->first; entry; entry = entry->next)
+        count += atomic_load_explicit(&entry->connection.is_asked, memory_order_acquire);
+    pthread_mutex_unlock(&connections->lock);
+    return count;
 }
 
 struct server_connections_statistics server_connections_statistics(struct server_connections *connections)

@@ -7,6 +7,7 @@
 #ifndef SERVER_CONNECTIONS_H
 #define SERVER_CONNECTIONS_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,7 +21,8 @@ struct server_connection {
     struct server_grammar grammar; /* of what has come in */
     const char *ending;            /* what the library is still to be given of a faulty request's; NULL: nothing */
     uint64_t requests;             /* whose target the library has read */
-    bool is_busy;                  /* between a request's headers and the last byte of its answer */
+    atomic_bool is_asked;          /* between a request's target and the last byte of its answer; its thread sets it */
+    bool is_busy;                  /* from the request's headers on */
     bool is_brief;                 /* its answer's deadline will do for the idle time after it */
     bool is_encrypted;
 };
@@ -53,13 +55,17 @@ void server_connections_close(struct server_connection *connection);
 /* Bytes have come in and were followed by the grammar. */
 void server_connection_received(struct server_connection *connection);
 
-/* Headers were read; the answer, of `size` bytes, is on its way, or a stream that ends when it ends; it is over. */
+/* A request's target was read; its headers were; the answer, of `size` bytes, is on its way, or a stream that ends when it ends; it is over. */
+void server_connection_ask(struct server_connection *connection);
 void server_connection_begin(struct server_connection *connection);
 void server_connection_answer(struct server_connection *connection, size_t size, bool is_stream, uint64_t now_ns);
 void server_connection_end(struct server_connection *connection);
 
 /* After a request's headers: is there more of its body to come? */
 bool server_connection_is_in_body(const struct server_connection *connection);
+
+/* How many have been asked and have not answered to the end. It looks at each, so that none has to count for all of them. Thread-safe. */
+uint32_t server_connections_under_way(struct server_connections *connections);
 
 /* Thread-safe. NULL: nothing. */
 struct server_connections_statistics server_connections_statistics(struct server_connections *connections);

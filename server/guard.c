@@ -31,7 +31,7 @@ static bool is_loopback(const char *host)
 {
     struct in_addr v4;
     struct in6_addr v6;
-    if (strcasecmp(host, "localhost") == 0) return true;
+    if (strcasecmp(host, "localhost") == 0 || strcmp(host, "127.0.0.1") == 0) return true;
     if (inet_pton(AF_INET, host, &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
     return inet_pton(AF_INET6, host, &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }

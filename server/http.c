@@ -76,7 +76,6 @@ struct server_http {
     struct MHD_Daemon *daemon;
     int listening; /* the library's own, whose number is known here: see server_http_quiesce */
     int silent[2]; /* a pair of sockets on which nothing is ever said */
-    atomic_uint active;
     uint32_t threads;
 };
 
@@ -168,7 +167,7 @@ static void *on_target(void *user, const char *target, struct MHD_Connection *co
     if (!server_exchange_begin(&line->exchange, http->server, &line->call.transport, target)) return NULL;
     server_traffic_note(line->exchange.started_ns);
     server_place_http(http->threads, server_workers_are_busy(http->server->workers), line->exchange.started_ns);
-    atomic_fetch_add(&http->active, 1);
+    server_connection_ask(line->wire);
     return &line->call;
 }
 
@@ -198,16 +197,14 @@ static void log_broken_body(const struct call *call)
 static void on_completed(void *user, struct MHD_Connection *connection, void **context,
                          enum MHD_RequestTerminationCode why)
 {
-    struct server_http *http = user;
     struct call *call = *context;
-    (void)connection;
+    (void)user, (void)connection;
     if (!call) return;
     if (call->phase == PHASE_BODY && call->wire->grammar.fault) log_broken_body(call);
     if (why == MHD_REQUEST_TERMINATED_COMPLETED_OK) watch_silence(call, false);
     server_exchange_end(call->exchange);
     server_connection_end(call->wire);
     *context = NULL;
-    atomic_fetch_sub(&http->active, 1);
 }
 
 /* What the grammar found out about the request, or a request that it has not seen: then the library reads in a way that
@@ -468,7 +465,7 @@ void server_http_quiesce(struct server_http *http)
 
 uint32_t server_http_active(struct server_http *http)
 {
-    return atomic_load(&http->active);
+    return server_connections_under_way(http->server->connections);
 }
 
 void server_http_stop(struct server_http *http)

@@ -165,13 +165,13 @@ bool server_registry_is_current(struct server_registry *registry, const struct s
     return is_current;
 }
 
-bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out)
+bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_surface **out)
 {
     pthread_rwlock_rdlock(&registry->lock);
     struct server_slot *slot = server_slots_find(registry, key);
     if (slot) {
         server_slot_touch(registry, slot);
-        *out = share(slot);
+        *out = slot->surface ? server_surface_retain(slot->surface) : NULL;
     }
     pthread_rwlock_unlock(&registry->lock);
     return slot != NULL;

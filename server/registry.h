@@ -90,8 +90,8 @@ bool server_registry_is_shared(const struct server_registry *registry);
  * afterwards, they are missing indeed. */
 bool server_registry_is_current(struct server_registry *registry, const struct server_record *record);
 
-/* The surface of that key, and its use is counted. */
-bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_listed *out);
+/* The surface of that key, if it is in memory (else NULL), with a reference for the caller; its use is counted. False: there is no such key. */
+bool server_registry_use(struct server_registry *registry, const struct server_key *key, struct server_surface **out);
 
 /* Up to `most` of the tenant and kind of `after`, with names after its name (NULL: from the first), in byte order, each
  * retained; returns how many. */

@@ -30,20 +30,6 @@ static void set_body(struct server_exchange *exchange, unsigned status, const ch
     response->size = size;
 }
 
-void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
-{
-    struct server_response *response = &exchange->response;
-    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
-    va_list arguments;
-    va_start(arguments, format);
-    char *value = response->headers[response->header_count].value;
-    vsnprintf(value, SERVER_HEADER_VALUE, format, arguments);
-    va_end(arguments);
-    response->headers[response->header_count].size = strlen(value);
-    response->headers[response->header_count++].name = name;
-}
-
-/* The same of a text that is there already. */
 static void add_header(struct server_response *response, const char *name, const char *value)
 {
     if (response->header_count == SERVER_RESPONSE_HEADERS) return;
@@ -52,6 +38,23 @@ static void add_header(struct server_response *response, const char *name, const
     memcpy(copy, value, size);
     copy[size] = '\0';
     response->headers[response->header_count].size = size;
+    response->headers[response->header_count++].name = name;
+}
+
+void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
+{
+    struct server_response *response = &exchange->response;
+    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    if (!strchr(format, '%')) {
+        add_header(response, name, format);
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    char *value = response->headers[response->header_count].value;
+    vsnprintf(value, SERVER_HEADER_VALUE, format, arguments);
+    va_end(arguments);
+    response->headers[response->header_count].size = strlen(value);
     response->headers[response->header_count++].name = name;
 }
 

@@ -31,6 +31,10 @@ static inline lanes add(lanes a, lanes b)
 {
     return _mm256_add_epi64(a, b);
 }
+static inline lanes add16(lanes a, lanes b)
+{
+    return _mm256_add_epi16(a, b);
+}
 static inline lanes subtract(lanes a, lanes b)
 {
     return _mm256_sub_epi64(a, b);

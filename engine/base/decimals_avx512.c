@@ -32,6 +32,10 @@ static inline lanes add(lanes a, lanes b)
 {
     return _mm512_add_epi64(a, b);
 }
+static inline lanes add16(lanes a, lanes b)
+{
+    return _mm512_add_epi16(a, b);
+}
 static inline lanes subtract(lanes a, lanes b)
 {
     return _mm512_sub_epi64(a, b);

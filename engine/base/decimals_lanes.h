@@ -84,9 +84,8 @@ static inline lanes digits_of(lanes eights)
     lanes upper2 = right16(times16_high(fours, all32(5243)), 3); /* / 100 */
     lanes lower2 = subtract16(fours, times16(upper2, all32(100)));
     lanes twos = add(upper2, left32(lower2, 16));
-    lanes upper = times16_high(twos, all16(6554)); /* / 10 */
-    lanes lower = subtract16(twos, times16(upper, all16(10)));
-    return add(upper, left16(lower, 8));
+    lanes upper = times16_high(twos, all16(6554));                      /* / 10 */
+    return add16(left16(twos, 8), times16(upper, all16(1 - 10 * 256))); /* upper, and above it twos - 10 upper */
 }
 
 /* --- all of it -------------------------------------------------------------------------------------------------------- */

@@ -64,16 +64,18 @@ inline char *put(char *at, const gd__decimals &decimals, std::size_t i)
     return at + (is_integer ? layout.point : size);
 }
 
-/* Of a number that is written with an exponent, or 0. */
-char *put_rare(char *at, double value)
+char *put_zero(char *at, double value)
+{
+    *at = '-';
+    at += std::signbit(value);
+    *at++ = '0';
+    return at;
+}
+
+/* Of a number that is written with an exponent. */
+char *put_scientific(char *at, double value)
 {
     gd__decimals decimal;
-    if (value == 0) {
-        *at = '-';
-        at += std::signbit(value);
-        *at++ = '0';
-        return at;
-    }
     const gd::decimal found = gd::shortest(std::fabs(value));
     gd__decimals_set(&decimal, 0, found.digits, 1, std::signbit(value));
     at = put(at, decimal, 0);
@@ -109,8 +111,9 @@ char *gd_number_format(char *at, double value)
 {
     char text[GD_NUMBERS_SIZE(1)];
     gd__decimals decimal;
-    const bool is_rare = gd__decimals_plain(&value, 1, &decimal);
-    const char *const end = is_rare ? put_rare(text, value) : put(text, decimal, 0);
+    if (value == 0) return put_zero(at, value);
+    const bool is_plain = !gd__decimals_plain(&value, 1, &decimal);
+    const char *const end = is_plain ? put(text, decimal, 0) : put_scientific(text, value);
     std::memcpy(at, text, GD_NUMBER_SIZE);
     return at + (end - text);
 }

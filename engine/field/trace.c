@@ -220,7 +220,8 @@ BOTH_KINDS void cross_face(const struct gd_side *s, struct ray *ray, struct pass
     }
     ray->t = passage->edge - along;
     ray->x = -(rx * ux + ry * uy);
-    ray->y = fmax(ux * ry - uy * rx, 0);
+    double y = ux * ry - uy * rx;
+    ray->y = y > 0 ? y : 0; /* fmax would be a call, and all of the above put aside for it */
     passage->segment = sqrt(sx * sx + sy * sy);
 }
 

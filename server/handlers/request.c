@@ -194,16 +194,15 @@ static struct server_surface *find_surface(struct server_exchange *exchange)
 {
     char name[PROTO_MESH_NAME + 1];
     struct server_key key;
-    struct server_listed listed;
+    struct server_surface *surface;
     if (exchange->surface) return server_surface_retain(exchange->surface);
     if (!server_request_key(exchange, name, &key)) return NULL;
-    if (!server_registry_use(exchange->server->registry, &key, &listed)) {
+    if (!server_registry_use(exchange->server->registry, &key, &surface)) {
         reply_absent(exchange);
         return NULL;
     }
-    server_record_release(listed.record);
-    if (!listed.surface) server_exchange_defer(exchange, bring, join);
-    return listed.surface;
+    if (!surface) server_exchange_defer(exchange, bring, join);
+    return surface;
 }
 
 struct server_surface *server_request_surface(struct server_exchange *exchange)

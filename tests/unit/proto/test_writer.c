@@ -150,6 +150,23 @@ static void holds_a_size_that_is_no_power_of_two(void **state)
     proto_writer_free(&writer);
 }
 
+static void makes_room_once_for_what_is_expected(void **state)
+{
+    (void)state;
+    struct proto_writer writer;
+    proto_writer_init(&writer, 10000);
+    proto_writer_expect(&writer, 5000);
+    assert_int_equal(writer.capacity, 5000);
+    const char *data = writer.data;
+    for (int i = 0; i < 5000; i++) proto_append(&writer, "x", 1);
+    assert_ptr_equal(writer.data, data);
+    proto_append(&writer, "x", 1);
+    assert_int_equal(writer.capacity, 10000);
+    proto_writer_expect(&writer, 5000); /* more than is allowed: no failure yet */
+    assert_int_equal(writer.failure, PROTO_WRITER_FINE);
+    proto_writer_free(&writer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -160,6 +177,7 @@ int main(void)
         cmocka_unit_test(grows),
         cmocka_unit_test(stops_at_its_maximum_for_good),
         cmocka_unit_test(holds_a_size_that_is_no_power_of_two),
+        cmocka_unit_test(makes_room_once_for_what_is_expected),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

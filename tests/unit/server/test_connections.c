@@ -115,6 +115,19 @@ static void a_first_head_has_its_time(void **state)
     assert_false(is_cut_after(100));
 }
 
+static void a_request_is_under_way_until_its_answer_has_ended(void **state)
+{
+    (void)state;
+    assert_int_equal(server_connections_under_way(connections), 0);
+    server_connection_ask(connection);
+    assert_int_equal(server_connections_under_way(connections), 1);
+    server_connection_begin(connection);
+    server_connection_answer(connection, 100, false, gd_now_ns());
+    assert_int_equal(server_connections_under_way(connections), 1);
+    server_connection_end(connection);
+    assert_int_equal(server_connections_under_way(connections), 0);
+}
+
 static void later_heads_have_theirs_from_their_first_byte_on(void **state)
 {
     (void)state;
@@ -252,6 +265,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(an_end_that_came_with_the_last_bytes_is_told_again, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_first_head_has_its_time, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_request_is_under_way_until_its_answer_has_ended, set_up, tear_down),
         cmocka_unit_test_setup_teardown(later_heads_have_theirs_from_their_first_byte_on, set_up, tear_down),
         cmocka_unit_test_setup_teardown(idle_connections_are_closed, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_body_is_waited_for_where_there_is_one, set_up, tear_down),

@@ -297,13 +297,13 @@ static void what_the_store_refuses_changes_nothing(void **state)
 static void unused_ones_make_room_the_coldest_first(void **state)
 {
     struct fixture *fixture = *state;
-    struct server_listed used;
+    struct server_surface *used;
     put(fixture, "a", "1");
     put(fixture, "b", "1");
     put(fixture, "c", "1");
     const struct server_key key = mesh_key("a");
     assert_true(server_registry_use(fixture->registry, &key, &used));
-    server_listed_release(&used);
+    server_surface_release(used);
     struct server_surface *held = get(fixture, "b");
     size_t bytes = held->bytes;
     fixture->budget.limit = fixture->budget.total;
