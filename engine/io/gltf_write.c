@@ -191,7 +191,7 @@ static void text(struct writing *writing, const char *text)
     gd__output_text(writing->json, text);
 }
 
-/* "key":number, with a comma before it unless it is the first. */
+/* A number behind its key, which is written as it stands, with its quotes, colon and what comes before it. */
 static void member(struct writing *writing, const char *key, uint64_t value)
 {
     text(writing, key);

@@ -10,7 +10,7 @@ import { type Place, pointOf } from "../place.ts";
 import { check, range, Settings } from "../settings.ts";
 import type { Surface } from "../surface.ts";
 import { whole } from "../units.ts";
-import { INK, Mode, pointsOf, XYZ } from "./mode.ts";
+import { doing, INK, Mode, pointsOf, XYZ } from "./mode.ts";
 
 const FORMATS = ["obj", "ply", "stl"];
 
@@ -33,13 +33,7 @@ export class CutMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [
-      make(
-        "div",
-        { class: "row extra" },
-        button("Cut", () => void this.cut(), { class: "main" }),
-      ),
-    ];
+    return [doing("Cut", () => void this.cut(), "main")];
   }
 
   private get curve(): Curve {

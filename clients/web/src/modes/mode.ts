@@ -3,6 +3,7 @@
 import type { Path } from "../../../js/types.d.ts";
 import type { Bench } from "../bench.ts";
 import type { Fact } from "../answer.ts";
+import { button, make } from "../dom.ts";
 import type { Group } from "../points.ts";
 import { Settings } from "../settings.ts";
 import type { Kind } from "../surface.ts";
@@ -23,6 +24,10 @@ export const ENDS: Group[] = [
   { id: "from", label: "Start", least: 1, most: 1, colour: INK.first },
   { id: "to", label: "End", least: 1, most: 1, colour: INK.second },
 ];
+
+/** What a mode does on demand: a button below its settings. */
+export const doing = (label: string, act: () => void, kind = ""): HTMLElement =>
+  make("div", { class: "row extra" }, button(label, act, { class: kind }));
 
 export abstract class Mode {
   /** In the URL. */

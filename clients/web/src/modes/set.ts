@@ -3,13 +3,12 @@
 
 import type { Field, PointAnswer, SamplingAnswer, VoronoiAnswer } from "../../../js/types.d.ts";
 import { hexOf, memberColour, type Rgb } from "../colours.ts";
-import { button, make } from "../dom.ts";
 import { type Place, placeOf, pointOf } from "../place.ts";
 import { check, choice, range, Settings } from "../settings.ts";
 import { whole } from "../units.ts";
 import type { Vec3 } from "../vector.ts";
 import { isolinesOf, polylinesOf, valuesOf } from "./field.ts";
-import { INK, Mode, XYZ } from "./mode.ts";
+import { doing, INK, Mode, XYZ } from "./mode.ts";
 
 const LIVE_FACES = 30000;
 const PLAIN: Rgb = [0.75, 0.77, 0.78];
@@ -35,13 +34,7 @@ export class SetMode extends Mode {
   }
 
   override extras(): Node[] {
-    return [
-      make(
-        "div",
-        { class: "row extra" },
-        button("Spread points evenly", () => void this.spread()),
-      ),
-    ];
+    return [doing("Spread points evenly", () => void this.spread())];
   }
 
   /** Farthest-point sampling from the first point that is there. */
