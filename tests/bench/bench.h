@@ -35,6 +35,9 @@ int bench_export(char **arguments);
 /* Takes "NAME NUMBER" from the front of the arguments if it is there. False, after a sentence, when the number is wrong. */
 bool bench_take_count(char ***arguments, const char *name, uint32_t *count);
 
+/* Takes "--cpu NAME" from the front of the arguments if it is there, and uses those kernels. False, after a sentence, when there are none such. */
+bool bench_take_cpu(char ***arguments);
+
 /* Takes the word from the front of the arguments if it is there. */
 bool bench_take_word(char ***arguments, const char *word);
 

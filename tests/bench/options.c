@@ -58,7 +58,7 @@ bool bench_arguments_end(char **arguments, bool wants_mesh)
     return true;
 }
 
-static bool take_cpu(char ***arguments)
+bool bench_take_cpu(char ***arguments)
 {
     if (!bench_take_word(arguments, "--cpu")) return true;
     const char *name = **arguments ? **arguments : "";
@@ -95,7 +95,7 @@ bool bench_take_options(char ***arguments, struct bench_options *options)
             !take_whole(arguments, "--pin", 0, CPU_SETSIZE - 1, &cpu) ||
             !take_whole(arguments, "--subdivide", 0, 8, &options->levels) ||
             !take_whole(arguments, "--threads", 1, 64, &options->threads) ||
-            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) || !take_cpu(arguments) ||
+            !take_whole(arguments, "--landmarks", 1, 16, &options->landmarks) || !bench_take_cpu(arguments) ||
             !take_number(arguments, "--noise", 0, 10, &options->noise))
             return false;
     } while (*arguments != before);

@@ -92,5 +92,5 @@ static void release(void *surface)
 int bench_peer(char **arguments)
 {
     static const struct peer engine = {"gd_bench peer", create, field, pair, trace, forget, release};
-    return peer_run(&engine, arguments);
+    return bench_take_cpu(&arguments) ? peer_run(&engine, arguments) : 2;
 }

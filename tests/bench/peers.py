@@ -9,7 +9,7 @@ environment variables:
 
     VTP  LIBIGL  EXPERIMENT  EXPERIMENT_SIMD  OTHER (say, an older gd_bench peer)
 
-OURS replaces `gd_bench peer` itself. Each turn starts both programs on the same sources, after one that only warms them up. A ratio is
+OURS replaces `gd_bench peer` itself (say, by `gd_bench peer --cpu avx2`). Each turn starts both programs on the same sources, after one that only warms them up. A ratio is
 the peer's median over ours; over 1: we are faster. `agree` is the largest relative difference between the two programs' sums of all
 distances, between their distances of pairs, or between their numbers of crossings.
 --quick measures next to nothing: it checks the protocol, with `ok` and `not ok` lines.
