@@ -164,6 +164,8 @@ static void set_options(struct gdc_client *client, const struct gdc_request *req
         curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)request->body_size);
         curl_easy_setopt(curl, CURLOPT_POSTFIELDS, request->body);
     }
+    if (request->once)
+        curl_easy_setopt(curl, CURLOPT_FRESH_CONNECT, 1L); /* on one that was kept, libcurl tries again */
     if (strcmp(request->method, "HEAD") == 0) curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, request->method);
 }
@@ -199,9 +201,10 @@ static void wait_before(struct gdc_client *client, unsigned attempt, int is_answ
     nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
 }
 
-static int is_worth_another(CURLcode code, const struct gdc_answer *answer)
+static int is_worth_another(const struct gdc_request *request, CURLcode code, const struct gdc_answer *answer)
 {
     if (code == CURLE_OK) return answer->status == 429 || answer->status == 503;
+    if (request->once) return code == CURLE_COULDNT_CONNECT;
     return code == CURLE_COULDNT_CONNECT || code == CURLE_GOT_NOTHING || code == CURLE_SEND_ERROR ||
            code == CURLE_RECV_ERROR || code == CURLE_PARTIAL_FILE;
 }
@@ -227,7 +230,7 @@ enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_reques
 {
     struct gdc_answer received;
     CURLcode code = send_once(client, request, is_job, &received);
-    for (unsigned attempt = 0; attempt < client->retries && is_worth_another(code, &received); attempt++) {
+    for (unsigned attempt = 0; attempt < client->retries && is_worth_another(request, code, &received); attempt++) {
         wait_before(client, attempt, code == CURLE_OK);
         free(received.body);
         code = send_once(client, request, is_job, &received);

@@ -70,6 +70,7 @@ struct gdc_request {
     size_t body_size;
     const char *content_type; /* NULL: application/json */
     const char *accept;       /* NULL: application/json */
+    int once; /* it makes something new each time, as POST /v1/batches does: not sent again when its connection fails */
 };
 
 /* What came back, of a status below 400. */

@@ -141,7 +141,7 @@ static void run_queries(struct gdc_client *client)
     EXPECT(gdc_delete(client, "a-square", &problem) == GDC_PROBLEM && problem.status == 404);
 }
 
-/* The daemon of this URL turns everything away. */
+/* The daemon of this URL turns what comes away, three times, then hangs up. */
 static void run_busy(struct gdc_client *client)
 {
     struct gdc_problem problem = {0};
@@ -149,6 +149,9 @@ static void run_busy(struct gdc_client *client)
     gdc_client_set_retries(client, 2);
     EXPECT(gdc_distance(client, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) == GDC_PROBLEM);
     EXPECT(problem.status == 503 && strcmp(problem.code, "overloaded") == 0);
+    const struct gdc_request batch = {.method = "POST", .path = "/v1/batches", .body = "{}", .body_size = 2, .once = 1};
+    struct gdc_answer answer;
+    EXPECT(gdc_call(client, &batch, &answer, &problem) == GDC_NO_CONNECTION); /* it hangs up on this one */
     struct gdc_client *nobody = gdc_client_create("http://127.0.0.1:1", "key");
     gdc_client_set_retries(nobody, 0);
     EXPECT(gdc_distance(nobody, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) == GDC_NO_CONNECTION);

@@ -28,9 +28,9 @@ class CClient(TestCase):
             self.run_scenario("unix:" + folder + "/socket")
 
     def test_patience(self):
-        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
+        with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 3, (0, {}, {})) as (server, url):
             self.run_scenario(url, "busy")
-            self.assertEqual(len(server.seen), 3)
+            self.assertEqual(len(server.seen), 4)
 
     def test_example(self):
         path = BUILD / "client-example.obj"
