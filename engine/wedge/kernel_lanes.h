@@ -388,12 +388,21 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
     if (!set) return;
     struct group g; /* field by field: an initialiser would clear it first */
     g.count = (uint32_t)__builtin_popcount(set);
-    g.b0 = compress(keep, b0);
-    g.b1 = g.own_b1 = compress(keep, b1);
-    g.x = compress(keep, x);
-    g.y = compress(keep, y);
-    g.sigma = compress(keep, sigma);
-    g.source = ids_compress(keep, source);
+    g.b0 = b0;
+    g.b1 = b1;
+    g.x = x;
+    g.y = y;
+    g.sigma = sigma;
+    g.source = source;
+    if (set & (set + 1)) { /* not the first ones: seldom so on the left */
+        g.b0 = compress(keep, b0);
+        g.b1 = compress(keep, b1);
+        g.x = compress(keep, x);
+        g.y = compress(keep, y);
+        g.sigma = compress(keep, sigma);
+        g.source = ids_compress(keep, source);
+    }
+    g.own_b1 = g.b1;
     lanes offered_b0 = last_of(g.b0, g.count), offered_x = last_of(g.x, g.count), offered_y = last_of(g.y, g.count);
     if (coalesce) {
         mask joined = find_joined(chain, &g, first_lanes(g.count));
