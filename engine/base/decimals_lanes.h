@@ -3,7 +3,8 @@
  * Dragonbox as in shortest.cc, but with fractions instead of remainders: in units of a thousand of its own ones an interval is at most one long, so that its
  * upper end's whole part is the shortest decimal if the fraction behind it is less than the length, and else the tenth nearest to the
  * middle is. Fractions have 32 bits and are at most 5 units too small: where more would be needed to decide, the number is left out. That is
- * so of one in thirty million, and of all ties. Powers of two, whose interval is another, are left out too.
+ * so of one in thirty million, and of all ties. The interval of a power of two reaches only half as far
+ * down, but none of the 75 that the scales are for is found to be another for that (test_decimals.c looks at all).
  *
  * `times` multiplies lower halves; `below` is asked about numbers below 2^63 only; `pick` chooses lane by lane, `chosen` has zeros elsewhere; `load_first`
  * has zeros behind `count`; `evens` and `odds` take every second lane of a and b in turn. Names with 16 or 32 take parts of so many bits. */
@@ -113,8 +114,7 @@ static inline __attribute__((always_inline)) uint32_t find_some(lanes bits, stru
     lanes place = subtract(point_of(biased), add(chosen(all(1), has_16), all(GD__DECIMAL_LEAST)));
     store(&out->head[at], add(add(parts.first, all('0')), add(left(right(bits, 63), 8), left(place, 16))));
     put_rows(digits_of(evens(parts.upper, parts.lower)), digits_of(odds(parts.upper, parts.lower)), out, at);
-    choice is_left_out = either(found.is_left_out, below(fraction, all(1)));
-    return lanes_of(is_left_out) | (lanes_of(is_in_range) ^ ALL_LANES);
+    return lanes_of(found.is_left_out) | (lanes_of(is_in_range) ^ ALL_LANES);
 }
 
 uint32_t KERNEL(decimals)(const double *values, uint32_t count, struct gd__decimals *out)

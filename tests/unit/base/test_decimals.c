@@ -114,7 +114,7 @@ static void what_others_write_is_left_out(void **state)
     assert_int_equal(left_out_of(gd__decimals_plain, 99999999999999984.0), 0);
 }
 
-/* Every power of two and of ten, half-way cases (2251799813685248.5 is one), and their neighbours. */
+/* Every power of two that lanes take, whose interval is not what they take it for, half-way cases (2251799813685248.5 is one), and their neighbours. */
 static void lanes_agree_about_rare_numbers(void **state)
 {
     (void)state;
