@@ -128,4 +128,8 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 /* The leg by which the best way ends. */
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
+/* gd_field_distance and gd_field_path at once. Where no path leads the distance is INFINITY, and *out is untouched. */
+GD_MUST_USE enum gd_status gd__field_distance_and_path(const struct gd_field *field, const struct gd_point *point,
+                                                       double *distance, struct gd_path *out);
+
 #endif

@@ -414,18 +414,35 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
     return GD_OK;
 }
 
+/* The path whose first leg is known. */
+static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
+                                  struct gd_path *out, uint32_t *seed)
+{
+    enum gd_status status = GD_INTERNAL;
+    for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
+        status = try_path(field, point, leg, snap, out, seed);
+    for (double snap = 0.01 * GD_TOL_SNAP; status == GD_INTERNAL && snap >= GD_TOL_SNAP_LEAST; snap *= 0.01)
+        status = try_path(field, point, leg, snap, out, seed);
+    return status;
+}
+
 enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point, struct gd_path *out,
                                      uint32_t *seed)
 {
     struct gd__leg leg = gd__field_leg(field, point);
     if (leg.distance > field->reach) return GD_BEYOND_REACH;
     if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
-    enum gd_status status = GD_INTERNAL;
-    for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
-        status = try_path(field, point, &leg, snap, out, seed);
-    for (double snap = 0.01 * GD_TOL_SNAP; status == GD_INTERNAL && snap >= GD_TOL_SNAP_LEAST; snap *= 0.01)
-        status = try_path(field, point, &leg, snap, out, seed);
-    return status;
+    return path_by_leg(field, point, &leg, out, seed);
+}
+
+enum gd_status gd__field_distance_and_path(const struct gd_field *field, const struct gd_point *point, double *distance,
+                                           struct gd_path *out)
+{
+    struct gd__leg leg = gd__field_leg(field, point);
+    uint32_t seed;
+    if (leg.distance > field->reach) return GD_BEYOND_REACH;
+    *distance = leg.kind == GD__LEG_NONE ? INFINITY : leg.distance * field->mesh->unit;
+    return leg.kind == GD__LEG_NONE ? GD_OK : path_by_leg(field, point, &leg, out, &seed);
 }
 
 enum gd_status gd_field_path(const struct gd_field *field, const struct gd_point *point, struct gd_path *out)

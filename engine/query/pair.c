@@ -14,8 +14,8 @@ static enum gd_status ask(const struct gd_field *field, const struct gd_point *e
                           enum gd_pair_wish wish, struct gd_pair_answer *out)
 {
     struct gd_pair_answer answer = {0};
-    enum gd_status status = gd_field_distance(field, end, &answer.distance);
-    if (!status && wish && isfinite(answer.distance)) status = gd_field_path(field, end, &answer.path);
+    enum gd_status status = wish ? gd__field_distance_and_path(field, end, &answer.distance, &answer.path)
+                                 : gd_field_distance(field, end, &answer.distance);
     if (!status && answer.path.count && wish == GD_PAIR_PATH_AND_CUT)
         status = gd__field_path_is_cut(field, &answer.path, &answer.is_cut);
     if (status) {
