@@ -10,7 +10,7 @@
 #include "wedge/wedges.h"
 #include "wedge/children.h"
 
-/* The best straight way found to the apex of a side through one of its windows; where no window sees it, which ones pass beside it. */
+/* The best straight way found to the apex of a side through one of its windows, and which windows pass beside it. */
 struct gd__apex {
     double distance; /* in: what the apex has; out: shorter, if a way is */
     bool improved;

@@ -118,22 +118,18 @@ static void cast(const struct gd_side *side, const struct gd__windows *w, uint32
     struct chain left = open_chain(left_list, GD_TOL_WIDTH * side->left_length),
                  right = open_chain(right_list, GD_TOL_WIDTH * side->right_length);
     uint32_t last_left = GD_NONE, first_right = GD_NONE;
-    bool is_seen = false;
     for (uint32_t i = 0; i < count; i += LANES) {
         const bool more = i + LANES < count;
         struct rays r = load_rays(w, i, count, px, py);
         mask passes_left = both(r.active, lt(r.k1, zero)), passes_right = both(r.active, gt(r.k0, zero)),
              straight = except(r.active, either(passes_left, passes_right));
-        if (any(straight)) {
-            is_seen = true;
-            reach_straight(apex, w, i, straight, apex_x, apex_y);
-        }
+        if (any(straight)) reach_straight(apex, w, i, straight, apex_x, apex_y);
         last_left = any(passes_left) ? i + last_set(passes_left) : last_left;
         first_right = any(passes_right) && first_right == GD_NONE ? i + first_set(passes_right) : first_right;
         mask to_left = both(r.active, lt(r.k0, zero)), to_right = both(r.active, gt(r.k1, zero));
         if (any(to_left)) cast_left(side, &r, to_left, &left, more, coalesce);
         if (any(to_right)) cast_right(side, &r, to_right, px, py, &right, more, coalesce);
     }
-    apex->last_left = is_seen ? GD_NONE : last_left;
-    apex->first_right = is_seen ? GD_NONE : first_right;
+    apex->last_left = last_left;
+    apex->first_right = first_right;
 }

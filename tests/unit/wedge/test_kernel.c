@@ -340,12 +340,11 @@ static void check_same_children(const struct gd__children *a, const struct gd__c
     check_same_windows(&a->at, &b->at, a->count);
 }
 
-/* The best straight way to the apex, by the definition; and which windows pass beside it, if none sees it. */
+/* Which windows pass beside the apex, and the best straight way to it through the others, by the definition. */
 static struct gd__apex look_at_apex(const struct gd_side *s, double known)
 {
     struct gd__apex best = {.distance = known, .last_left = GD_NONE, .first_right = GD_NONE};
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-    bool is_seen = false;
     for (uint32_t i = 0; i < list.count; i++) {
         const struct gd__window *w = &list.windows[i];
         double k0 = (w->b0 - w->x) * (py + w->y) - w->y * (px - w->x),
@@ -353,10 +352,8 @@ static struct gd__apex look_at_apex(const struct gd_side *s, double known)
         if (k1 < 0) best.last_left = i;
         if (k0 > 0 && best.first_right == GD_NONE) best.first_right = i;
         if (k0 > 0 || k1 < 0) continue;
-        is_seen = true;
         best.distance = fmin(best.distance, w->sigma + hypot(px - w->x, py + w->y));
     }
-    if (is_seen) best.last_left = best.first_right = GD_NONE;
     return best;
 }
 
