@@ -97,15 +97,22 @@ static void no_way_is_shorter(void **state)
     check_pairs("saddle", &polygons, 10);
 }
 
+/* Two points half round a sphere from each other. */
+static struct gd_mesh *open_half_round(struct scene *scene, struct gd_polygons *polygons)
+{
+    check_ok(sample_icosphere(5, 1, polygons), NULL);
+    struct gd_mesh *mesh = test_mesh(polygons);
+    open_scene(scene, mesh, test_point_near(mesh, 0.2, 0.3, 2), test_point_near(mesh, 0.3, 0.2, -2));
+    return mesh;
+}
+
 /* Half round a sphere a straight line tells of two thirds of the way. */
 static void rings_go_round(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    check_ok(sample_icosphere(5, 1, &polygons), NULL);
     struct scene scene;
-    struct gd_mesh *mesh = test_mesh(&polygons);
-    open_scene(&scene, mesh, test_point_near(mesh, 0.2, 0.3, 2), test_point_near(mesh, 0.3, 0.2, -2));
+    struct gd_mesh *mesh = open_half_round(&scene, &polygons);
     uint32_t corner = gd__anchor(mesh, &scene.from).corner[0];
     double exact = inside(&scene, scene.of_to, corner), straight = gd__guide_lower(&scene.guide, corner);
     check_ok(gd__rings_draw(&scene.guide, &scene.from, scene.distance * (1 + GD_TOL_TETHER)), NULL);
@@ -129,10 +136,8 @@ static void a_failure_leaves_none(void **state)
 {
     (void)state;
     struct gd_polygons polygons;
-    check_ok(sample_icosphere(5, 1, &polygons), NULL);
     struct scene scene;
-    struct gd_mesh *mesh = test_mesh(&polygons);
-    open_scene(&scene, mesh, test_point_near(mesh, 0.2, 0.3, 2), test_point_near(mesh, 0.3, 0.2, -2));
+    struct gd_mesh *mesh = open_half_round(&scene, &polygons);
     struct gd__guide *guide = &scene.guide;
     size_t held = gd__guide_held(guide);
     double before = gd__guide_lower(guide, 7), bound = scene.distance * 1.01;
