@@ -1,0 +1,154 @@
+/* Seeds on a circle of the plane, as segments and as points: the symmetric places of a grid see many of them equally near, up to rounding, some
+ * through a window and some just past its end. Each distance is the closed form's, and each path leads there. */
+#include "tests/support/test.h"
+
+#include <math.h>
+
+#include "gd/vec.h"
+#include "tests/samples/samples.h"
+#include "tests/support/field.h"
+
+enum { CORNERS_MOST = 400, PLACES = 60 };
+
+/* A regular polygon in the plane, by its corners on the mesh. */
+struct ring {
+    struct gd_point point[CORNERS_MOST];
+    struct gd_vec3 place[CORNERS_MOST];
+    uint32_t count;
+};
+
+/* A square of 8 x 8, and its polygons. */
+static struct gd_polygons polygons;
+static struct gd_mesh *mesh;
+
+static void open_square(uint32_t cells)
+{
+    check_ok(sample_grid(cells, cells, 8, 8, &polygons), NULL);
+    mesh = test_mesh(&polygons);
+}
+
+static void close_square(void)
+{
+    gd_mesh_release(mesh);
+    gd_polygons_free(&polygons);
+}
+
+/* In the unit circle around the square's middle. */
+static void lay_ring(struct ring *ring, uint32_t count)
+{
+    ring->count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        double angle = 2 * M_PI * i / count;
+        ring->point[i] = test_point_near(mesh, 4 + cos(angle), 4 + sin(angle), 0);
+        ring->place[i] = gd_point_position(mesh, &ring->point[i]);
+    }
+}
+
+static struct gd_field *field_of_segments(const struct ring *ring)
+{
+    struct gd_curve_request request = {
+        .kind = GD_CURVE_POINTS, .closed = true, .points = ring->point, .count = ring->count};
+    struct gd_curve curve;
+    struct gd_detail detail = {0};
+    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, &detail), &detail);
+    struct gd_field *field = test_field_of_curve(mesh, &curve, 0);
+    gd_curve_free(&curve);
+    return field;
+}
+
+static struct gd_field *field_of_points(const struct ring *ring)
+{
+    struct gd_seed seeds[CORNERS_MOST] = {0};
+    for (uint32_t i = 0; i < ring->count; i++) seeds[i].point = ring->point[i];
+    return test_field(mesh, seeds, ring->count, 0);
+}
+
+static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
+{
+    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
+    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
+    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
+}
+
+static double to_segments(const struct ring *ring, struct gd_vec3 p)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < ring->count; i++)
+        least = fmin(least, to_segment(p, ring->place[i], ring->place[(i + 1) % ring->count]));
+    return least;
+}
+
+static double to_points(const struct ring *ring, struct gd_vec3 p)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < ring->count; i++) least = fmin(least, gd_vec3_distance(p, ring->place[i]));
+    return least;
+}
+
+/* How the ring is seeded, and how far away it is then. */
+struct seeding {
+    struct gd_field *(*field)(const struct ring *ring);
+    double (*distance)(const struct ring *ring, struct gd_vec3 p);
+};
+
+static const struct seeding segments = {field_of_segments, to_segments}, points = {field_of_points, to_points};
+
+/* Distance and path at a point; the distance's error. */
+static double check_at(const struct gd_field *field, const struct gd_point *point, double expected)
+{
+    struct gd_path path;
+    double error = fabs(test_distance(field, point) - expected);
+    check_ok(gd_field_path(field, point, &path), NULL);
+    assert_true(error <= 1e-9 * expected + 1e-14);
+    assert_true(fabs(path.length - expected) <= 1e-9 * expected + 1e-14);
+    gd_path_free(&path);
+    return error;
+}
+
+/* At all vertices and some places in between; the worst error. */
+static double check_ring(const struct ring *ring, const struct seeding *seeding, struct rng *rng)
+{
+    struct gd_field *field = seeding->field(ring);
+    double worst = 0;
+    for (uint32_t i = 0; i < polygons.position_count + PLACES; i++) {
+        struct gd_point point =
+            i < polygons.position_count ? test_vertex(mesh, i) : test_point(mesh, test_random_place(&polygons, rng));
+        worst = fmax(worst, check_at(field, &point, seeding->distance(ring, gd_point_position(mesh, &point))));
+    }
+    gd_field_release(field);
+    return worst;
+}
+
+static void check_rings(const struct seeding *seeding)
+{
+    struct rng rng = {8};
+    static struct ring ring;
+    double worst = 0;
+    for (uint32_t cells = 16; cells <= 22; cells++) {
+        open_square(cells);
+        for (uint32_t count = 36; count <= CORNERS_MOST; count += 56) {
+            lay_ring(&ring, count);
+            worst = fmax(worst, check_ring(&ring, seeding, &rng));
+        }
+        close_square();
+    }
+    print_message("# distances off by %.1e at most\n", worst);
+}
+
+static void rings_of_segments(void **state)
+{
+    (void)state;
+    check_rings(&segments);
+}
+
+static void rings_of_points(void **state)
+{
+    (void)state;
+    check_rings(&points);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rings_of_segments), cmocka_unit_test(rings_of_points)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
