@@ -133,7 +133,7 @@ static bool hold(struct batch *batch, struct proto_problem *problem)
 static void end_line(struct batch *batch, bool ok, struct proto_problem *problem)
 {
     if (ok) {
-        batch->query->kind->encode(batch->query, &batch->writer);
+        server_query_encode(batch->query, &batch->writer);
         proto_batch_end(&batch->writer, batch->begin);
         ok = hold(batch, problem);
     }

@@ -4,9 +4,7 @@
 #include <stdlib.h>
 
 #include "proto/curve_operation.h"
-#include "server/call.h"
 #include "server/field_build.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/query.h"
 #include "server/landmarks.h"
 #include "server/server.h"
@@ -19,15 +17,11 @@ struct operating {
     struct proto_curve_operation wanted;
     struct proto_located_curve curve;
     struct proto_curve_result result;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for the result */
-    struct server_draft draft;
 };
 
 static void release(struct server_query *query)
 {
     struct operating *operating = (struct operating *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, operating->held);
-    server_draft_end(&operating->draft);
     proto_curve_result_free(&operating->result);
     proto_located_curve_free(&operating->curve);
     proto_curve_operation_free(&operating->wanted);
@@ -177,29 +171,16 @@ static enum server_query_turn fail(struct work *work, enum gd_status status, str
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct operating *operating = (struct operating *)query;
-    struct server *server = query->exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, query->surface);
+    struct server_landmark_set *set = server_landmarks_find(query->exchange->server->landmarks, query->surface);
     struct work work = {.operating = operating,
                         .landmarks = set ? set->landmarks : NULL,
                         .part = server_query_monitor(query, 0, CURVE_SHARE)};
-    const struct server_call call = {.make = make,
-                                     .user = &work,
-                                     .control = server_exchange_control(&work.part),
-                                     .grant = server_field_build_grant(query->surface->mesh)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status =
+        server_query_call(query, &work.part, make, &work, server_field_build_grant(query->surface->mesh));
     server_landmark_set_release(set);
     if (status) return fail(&work, status, problem);
-    operating->held = bytes_of(&operating->result);
-    server_draft_begin(&operating->draft, query);
-    proto_curve_result_encode(&operating->draft.writer, query->surface->mesh, &operating->result, &query->options);
-    status = server_draft_hold(&operating->draft);
-    if (status) return server_query_fail(query, status, "the answer", problem);
-    return proto_writer_check(&operating->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct operating *)query)->draft, writer);
+    proto_curve_result_encode(&operating->query.draft, query->surface->mesh, &operating->result, &query->options);
+    return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
 static const struct server_query_kind curve_kind = {.name = "curve",
@@ -207,7 +188,6 @@ static const struct server_query_kind curve_kind = {.name = "curve",
                                                     .fields = proto_curve_operation_fields,
                                                     .decode = decode,
                                                     .solve = solve,
-                                                    .encode = encode,
                                                     .release = release};
 
 void server_handle_curve(struct server_exchange *exchange)

@@ -17,7 +17,6 @@ struct curves {
     struct server_field_query field; /* first */
     struct proto_curve_distance wanted;
     struct proto_located_set *set[2];
-    size_t held[2];
     struct gd_curve curve[2];
     int source;                        /* the curve of whose field the turn is */
     struct gd_curve_distance found[2]; /* by the field's curve */
@@ -41,7 +40,6 @@ static bool resolve(struct curves *curves, int which, struct proto_problem *prob
     struct server_monitor part = server_query_monitor(query, which * SETS_SHARE / 2, SETS_SHARE / 2);
     const struct proto_set *set = which == A ? &curves->wanted.a : &curves->wanted.b;
     if (!server_set_resolve(query, &part, set, &curves->set[which], problem)) return false;
-    curves->held[which] = curves->set[which]->bytes;
     return curve_of(curves->set[which], &curves->curve[which]) ||
            proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
@@ -97,7 +95,7 @@ static void release(struct server_query *query)
     for (int i = 0; i < 2; i++) {
         gd_curve_distance_free(&curves->found[i]);
         gd_curve_free(&curves->curve[i]);
-        server_set_release(query, curves->set[i], curves->held[i]);
+        free(curves->set[i]);
     }
     proto_curve_distance_free(&curves->wanted);
     server_field_query_release(query);

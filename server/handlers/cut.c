@@ -7,8 +7,6 @@
 #include <string.h>
 
 #include "proto/cut.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/making.h"
 #include "server/handlers/query.h"
 #include "server/handlers/request.h"
@@ -29,11 +27,9 @@ struct cut {
     uint32_t name_count;
 
     struct gd_cut cut;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for the cut */
     struct server_making making;
     bool is_stored;
     bool (*work)(struct server_exchange *exchange); /* of the query, which goes on after the meshes are stored */
-    struct server_draft draft;
 };
 
 /* --- the cut ------------------------------------------------------------------------------------------------------ */
@@ -78,21 +74,14 @@ static bool refuse(struct cutting *cutting, enum gd_status status, struct proto_
 
 static bool make_cut(struct cut *cut, struct proto_problem *problem)
 {
-    struct server *server = cut->query.exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, cut->query.surface);
+    struct server_landmark_set *set = server_landmarks_find(cut->query.exchange->server->landmarks, cut->query.surface);
     struct cutting cutting = {.cut = cut,
                               .landmarks = set ? set->landmarks : NULL,
                               .part = server_query_monitor(&cut->query, 0, CURVE_SHARE)};
-    const struct server_call call = {.make = cut_mesh,
-                                     .user = &cutting,
-                                     .control = server_exchange_control(&cutting.part),
-                                     .grant = BYTES_A_CUT +
-                                              gd_mesh_summary(cut->query.surface->mesh)->edges * (size_t)BYTES_AN_EDGE};
-    enum gd_status status = server_call_make(server, &call);
+    size_t grant = BYTES_A_CUT + gd_mesh_summary(cut->query.surface->mesh)->edges * (size_t)BYTES_AN_EDGE;
+    enum gd_status status = server_query_call(&cut->query, &cutting.part, cut_mesh, &cutting, grant);
     server_landmark_set_release(set);
-    if (status) return refuse(&cutting, status, problem);
-    cut->held = cut->cut.bytes;
-    return true;
+    return !status || refuse(&cutting, status, problem);
 }
 
 /* --- the meshes --------------------------------------------------------------------------------------------------- */
@@ -196,16 +185,14 @@ static enum server_query_turn write_answer(struct cut *cut, struct proto_problem
 {
     uint32_t fields = cut->query.options.fields;
     enum gd_status status = GD_OK;
-    server_draft_begin(&cut->draft, &cut->query);
-    proto_cut_begin(&cut->draft.writer, &cut->cut, fields);
+    proto_cut_begin(&cut->query.draft, &cut->cut, fields);
     for (uint32_t i = 0; i < cut->cut.piece_count && !status; i++) {
         const char *name = cut->select_only ? NULL : cut->making.made[i].surface->record->name;
-        proto_cut_piece_encode(&cut->draft.writer, &cut->cut.pieces[i], name, fields);
-        status = server_draft_hold(&cut->draft);
+        proto_cut_piece_encode(&cut->query.draft, &cut->cut.pieces[i], name, fields);
+        status = server_query_hold_draft(&cut->query);
     }
-    proto_cut_end(&cut->draft.writer, &cut->cut, fields);
-    if (status) return server_query_fail(&cut->query, status, "the answer", problem);
-    return proto_writer_check(&cut->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    proto_cut_end(&cut->query.draft, &cut->cut, fields);
+    return server_query_end_draft(&cut->query, status, "the answer", problem);
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
@@ -220,17 +207,10 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     return SERVER_QUERY_PARKED;
 }
 
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct cut *)query)->draft, writer);
-}
-
 static void release(struct server_query *query)
 {
     struct cut *cut = (struct cut *)query;
-    server_draft_end(&cut->draft);
     server_making_end(&cut->making);
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, cut->held);
     gd_cut_free(&cut->cut);
     proto_located_curve_free(&cut->curve);
     free(cut->names);
@@ -241,7 +221,6 @@ static const struct server_query_kind cut_kind = {.name = "cut",
                                                   .fields = proto_cut_fields,
                                                   .decode = decode,
                                                   .solve = solve,
-                                                  .encode = encode,
                                                   .release = release};
 
 void server_handle_cut(struct server_exchange *exchange)

@@ -101,9 +101,9 @@ static enum gd_status write_result(struct server_evaluation *evaluation, const s
     struct proto_result result = {.distance = distance};
     enum gd_status status = complete(evaluation, field, &evaluation->points.points[i], &result, &path);
     if (!status) {
-        proto_result_encode(&evaluation->draft.writer, evaluation->points.mesh, evaluation->field.set, &result,
+        proto_result_encode(&evaluation->field.query.draft, evaluation->points.mesh, evaluation->field.set, &result,
                             evaluation->wanted, evaluation->field.query.options.geometry);
-        status = server_draft_hold(&evaluation->draft);
+        status = server_query_hold_draft(&evaluation->field.query);
     }
     gd_path_free(&path);
     return status;
@@ -116,12 +116,12 @@ static enum gd_status write_results(struct server_evaluation *evaluation, const 
 {
     const struct gd_control control = server_exchange_control(part);
     enum gd_status status = GD_OK;
-    proto_results_begin(&evaluation->draft.writer);
+    proto_results_begin(&evaluation->field.query.draft);
     for (uint32_t i = 0; i < evaluation->points.count && !status; i++) {
         status = write_result(evaluation, field, i, distances[i]);
         if (!status) status = gd_control_check(&control, (double)(i + 1) / evaluation->points.count);
     }
-    proto_results_end(&evaluation->draft.writer);
+    proto_results_end(&evaluation->field.query.draft);
     return status;
 }
 
@@ -146,8 +146,7 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     double *distances = malloc(evaluation->points.count * sizeof *distances);
     enum gd_status status = distances ? evaluate(evaluation, field, distances, part) : GD_NO_MEMORY;
     free(distances);
-    if (status) return server_query_fail(&query->query, status, WHAT, problem);
-    return proto_writer_check(&evaluation->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    return server_query_end_draft(&query->query, status, WHAT, problem);
 }
 
 /* --- the steps ---------------------------------------------------------------------------------------------------- */
@@ -169,19 +168,12 @@ bool server_evaluation_locate(struct server_evaluation *evaluation, const struct
     evaluation->wanted = proto_evaluation_wanted(wanted, &query->options);
     evaluation->field.is_quick = is_quick(evaluation);
     evaluation->field.answer = answer;
-    server_draft_begin(&evaluation->draft, query);
     return true;
-}
-
-void server_evaluation_encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct server_evaluation *)query)->draft, writer);
 }
 
 void server_evaluation_release(struct server_query *query)
 {
     struct server_evaluation *evaluation = (struct server_evaluation *)query;
-    server_draft_end(&evaluation->draft);
     proto_located_points_free(&evaluation->points);
     server_field_query_release(query);
 }

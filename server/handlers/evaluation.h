@@ -3,22 +3,19 @@
 #define SERVER_HANDLERS_EVALUATION_H
 
 #include "proto/evaluation.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/field_query.h"
 
 struct server_evaluation {
     struct server_field_query field; /* first */
     struct proto_located_points points;
-    uint32_t wanted;           /* fields of each result */
-    struct server_draft draft; /* the results */
+    uint32_t wanted; /* fields of each result */
 };
 
 /* Puts the points on the mesh. */
 bool server_evaluation_locate(struct server_evaluation *evaluation, const struct proto_evaluation *wanted,
                               struct proto_problem *problem);
 
-/* Steps of the kind, besides those of field_query.h. */
-void server_evaluation_encode(const struct server_query *query, struct proto_writer *writer);
+/* A step of the kind, besides those of field_query.h; the answer is the draft. */
 void server_evaluation_release(struct server_query *query);
 
 #endif

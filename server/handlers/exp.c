@@ -6,7 +6,6 @@
 
 #include "proto/trace.h"
 #include "proto/vector.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/query.h"
 #include "server/server.h"
 
@@ -20,15 +19,11 @@ struct exp_map {
     struct gd_vector *
         segments; /* of all vectors, by wanted.vectors.first; of those after a vector's first only the angle is known */
     struct gd_point *ends;
-    struct server_draft draft;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for one path */
 };
 
 static void release(struct server_query *query)
 {
     struct exp_map *map = (struct exp_map *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, map->held);
-    server_draft_end(&map->draft);
     proto_vectors_free(&map->wanted.vectors);
     free(map->segments);
     free(map->ends);
@@ -72,21 +67,12 @@ static bool locate_vectors(struct exp_map *map, struct proto_problem *problem)
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
     struct exp_map *map = (struct exp_map *)query;
-    server_draft_begin(&map->draft, query);
     return proto_exp_decode(document, &map->wanted, problem) &&
            proto_point_locate(query->surface->mesh, &map->wanted.start, &map->start, &map->snap, problem) &&
            locate_vectors(map, problem);
 }
 
 /* --- the answer --------------------------------------------------------------------------------------------------- */
-
-static enum gd_status reserve(struct exp_map *map)
-{
-    size_t bytes = 2 * (size_t)PROTO_TRACE_STEPS * sizeof(struct gd_point);
-    if (!server_budget_take(&map->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    map->held = bytes;
-    return GD_OK;
-}
 
 static bool fail(const struct exp_map *map, enum gd_status status, const struct gd_detail *detail,
                  struct proto_problem *problem)
@@ -114,16 +100,16 @@ static bool write_path(struct exp_map *map, uint32_t i, struct proto_problem *pr
     if (status) return fail(map, status, &detail, problem);
     map->ends[i] = trace.path.points[trace.path.count - 1];
     if (map->query.options.fields & PROTO_EXP_FIELD_PATHS)
-        proto_trace_encode(&map->draft.writer, mesh, &trace, map->query.options.geometry);
+        proto_trace_encode(&map->query.draft, mesh, &trace, map->query.options.geometry);
     gd_trace_free(&trace);
-    status = server_draft_hold(&map->draft);
+    status = server_query_hold_draft(&map->query);
     if (!status) status = gd_control_check(&control, 1);
     return !status || fail(map, status, &detail, problem);
 }
 
 static bool write_paths(struct exp_map *map, struct proto_problem *problem)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->query.draft;
     bool is_wanted = map->query.options.fields & PROTO_EXP_FIELD_PATHS, ok = true;
     if (is_wanted) proto_write_key(writer, "paths");
     if (is_wanted) proto_write_array_begin(writer);
@@ -134,7 +120,7 @@ static bool write_paths(struct exp_map *map, struct proto_problem *problem)
 
 static void write_vectors(struct exp_map *map)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->query.draft;
     const struct proto_vectors *vectors = &map->wanted.vectors;
     proto_write_key(writer, "vectors");
     proto_write_array_begin(writer);
@@ -148,7 +134,7 @@ static void write_vectors(struct exp_map *map)
 
 static void write_points(struct exp_map *map)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->query.draft;
     proto_write_key(writer, "points");
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < map->wanted.vectors.count; i++)
@@ -158,7 +144,7 @@ static void write_points(struct exp_map *map)
 
 static bool write_answer(struct exp_map *map, struct proto_problem *problem)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->query.draft;
     uint32_t fields = map->query.options.fields;
     proto_write_object_begin(writer);
     if (fields & PROTO_EXP_FIELD_START) {
@@ -169,20 +155,16 @@ static bool write_answer(struct exp_map *map, struct proto_problem *problem)
     if (!write_paths(map, problem)) return false;
     if (fields & PROTO_EXP_FIELD_POINTS) write_points(map);
     proto_write_object_end(writer);
-    return proto_writer_check(writer, problem);
+    return true;
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct exp_map *map = (struct exp_map *)query;
-    enum gd_status status = reserve(map);
+    enum gd_status status = server_query_take(query, 2 * (size_t)PROTO_TRACE_STEPS * sizeof(struct gd_point));
     if (status) return server_query_fail(query, status, WHAT, problem);
-    return write_answer(map, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct exp_map *)query)->draft, writer);
+    if (!write_answer(map, problem)) return SERVER_QUERY_FAILED;
+    return server_query_end_draft(query, GD_OK, WHAT, problem);
 }
 
 static const struct server_query_kind exp_kind = {.name = "exp",
@@ -190,7 +172,6 @@ static const struct server_query_kind exp_kind = {.name = "exp",
                                                   .fields = proto_exp_fields,
                                                   .decode = decode,
                                                   .solve = solve,
-                                                  .encode = encode,
                                                   .release = release};
 
 void server_handle_exp(struct server_exchange *exchange)

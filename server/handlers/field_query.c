@@ -48,7 +48,6 @@ static bool resolve(struct server_field_query *query, struct proto_problem *prob
     struct server_monitor part = server_query_monitor(&query->query, 0, SET_SHARE);
     struct proto_located_set *located;
     if (!server_set_resolve(&query->query, &part, &query->pending, &located, problem)) return false;
-    query->held = located->bytes;
     return take(query, located, problem);
 }
 
@@ -202,5 +201,5 @@ void server_field_query_release(struct server_query *query)
     server_cache_unpin(own->pin);
     server_resource_release(own->resource);
     proto_set_free(&own->pending);
-    server_set_release(query, own->own_set, own->held);
+    free(own->own_set);
 }

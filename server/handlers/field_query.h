@@ -19,7 +19,6 @@ struct server_field_query {
     const struct proto_located_set *set; /* what it is the field of */
     struct gd_field_request request;     /* the set's */
     struct proto_located_set *own_set;   /* `set`, or NULL */
-    size_t held;                         /* bytes of SERVER_BUDGET_FLIGHT, for it */
     struct proto_set pending; /* what is to be put on the mesh by a worker, which takes time; empty: nothing */
     double max_distance;      /* of it */
     bool (*prepare)(struct server_field_query *query,

@@ -22,7 +22,6 @@
 struct values {
     struct server_field_query field; /* first */
     double *values;                  /* by index; what is not finite is null */
-    size_t held;                     /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
 static uint32_t value_count(const struct server_query *query)
@@ -32,10 +31,9 @@ static uint32_t value_count(const struct server_query *query)
 
 static enum gd_status reserve_values(struct values *values)
 {
-    struct server_budget *budget = &values->field.query.exchange->server->budget;
-    size_t count = value_count(&values->field.query), bytes = count * (sizeof *values->values + BYTES_A_NUMBER);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    values->held = bytes;
+    size_t count = value_count(&values->field.query);
+    enum gd_status status = server_query_take(&values->field.query, count * (sizeof *values->values + BYTES_A_NUMBER));
+    if (status) return status;
     values->values = malloc(count * sizeof *values->values);
     return values->values ? GD_OK : GD_NO_MEMORY;
 }
@@ -101,9 +99,7 @@ static bool write_values(const struct server_query *query, char **bytes, size_t 
 
 static void release_values(struct server_query *query)
 {
-    struct values *values = (struct values *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, values->held);
-    free(values->values);
+    free(((struct values *)query)->values);
     server_field_query_release(query);
 }
 
@@ -145,7 +141,6 @@ static const struct server_query_kind evaluate_kind = {.name = "evaluate",
                                                        .glance = server_field_query_glance,
                                                        .join = server_field_query_join,
                                                        .solve = server_field_query_solve,
-                                                       .encode = server_evaluation_encode,
                                                        .release = server_evaluation_release};
 
 void server_handle_evaluate_field(struct server_exchange *exchange)

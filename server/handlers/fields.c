@@ -8,7 +8,6 @@
 #include "server/cache.h"
 #include "server/handlers/field_query.h"
 #include "server/handlers/request.h"
-#include "server/handlers/set_resolve.h"
 #include "server/reply.h"
 #include "server/server.h"
 
@@ -74,8 +73,6 @@ static enum gd_status list(struct making *making, const struct proto_field_descr
     field->resource = server_resource_create(making->id, field->own_set, description, budget);
     if (!field->resource) return GD_BUDGET;
     field->own_set = NULL;
-    server_set_release(&field->query, NULL, field->held);
-    field->held = 0;
     making->is_new = server_catalogue_add(catalogue, &field->resource);
     field->set = field->resource->set;
     field->request = server_resource_request(field->resource);

@@ -3,8 +3,6 @@
 
 #include "proto/isoline.h"
 #include "proto/path.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/field_query.h"
 #include "server/server.h"
 
@@ -17,7 +15,6 @@
 struct isolines {
     struct server_field_query field; /* first */
     struct proto_isolines wanted;
-    struct server_draft draft;
     uint64_t points, arcs; /* written so far */
 };
 
@@ -58,7 +55,7 @@ static bool admit(struct isolines *isolines, const struct gd_isoline_line *line,
 
 static enum gd_status pause_at(struct isolines *isolines, const struct gd_control *control, double fraction)
 {
-    enum gd_status status = server_draft_hold(&isolines->draft);
+    enum gd_status status = server_query_hold_draft(&isolines->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 
@@ -66,7 +63,7 @@ static enum gd_status pause_at(struct isolines *isolines, const struct gd_contro
 static enum gd_status write_points(struct isolines *isolines, const struct gd_point *points, uint32_t stored,
                                    uint32_t count, const struct gd_control *control)
 {
-    struct proto_writer *writer = &isolines->draft.writer;
+    struct proto_writer *writer = &isolines->field.query.draft;
     enum gd_status status = GD_OK;
     proto_line_list_begin(writer, "points");
     for (uint32_t i = 0; i < count && !status; i++) {
@@ -81,12 +78,12 @@ static enum gd_status write_arcs(struct isolines *isolines, const struct gd_isol
                                  const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
-    proto_line_list_begin(&isolines->draft.writer, "arcs");
+    proto_line_list_begin(&isolines->field.query.draft, "arcs");
     for (uint32_t i = 0; i < line->arc_count && !status; i++) {
-        proto_arc_encode(&isolines->draft.writer, mesh_of(isolines), &line->arcs[i]);
+        proto_arc_encode(&isolines->field.query.draft, mesh_of(isolines), &line->arcs[i]);
         if ((i + 1) % PORTION == 0) status = pause_at(isolines, control, 1);
     }
-    proto_line_list_end(&isolines->draft.writer);
+    proto_line_list_end(&isolines->field.query.draft);
     return status;
 }
 
@@ -105,12 +102,12 @@ static enum gd_status write_flat(struct isolines *isolines, const struct gd_isol
 static enum gd_status flatten(struct isolines *isolines, const struct gd_isoline_line *line,
                               const struct gd_control *control)
 {
-    struct server_budget *budget = &isolines->field.query.exchange->server->budget;
     double tolerance = proto_isolines_tolerance(&isolines->wanted, mesh_of(isolines));
     size_t bytes = gd_isoline_flat_points(line, tolerance) * sizeof(struct gd_point);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    enum gd_status status = write_flat(isolines, line, tolerance, control);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, bytes);
+    enum gd_status status = server_query_take(&isolines->field.query, bytes);
+    if (status) return status;
+    status = write_flat(isolines, line, tolerance, control);
+    server_query_give(&isolines->field.query, bytes);
     return status;
 }
 
@@ -118,13 +115,13 @@ static enum gd_status write_line(struct isolines *isolines, const struct gd_isol
                                  const struct gd_control *control)
 {
     enum gd_status status = GD_OK;
-    proto_line_begin(&isolines->draft.writer, line);
+    proto_line_begin(&isolines->field.query.draft, line);
     if (isolines->field.query.options.geometry != PROTO_GEOMETRY_NONE)
         status = has_ends_only(isolines)
                      ? write_points(isolines, line->points, line->point_count, line->arc_count + 1, control)
                      : flatten(isolines, line, control);
     if (!status && isolines->wanted.wants_arcs) status = write_arcs(isolines, line, control);
-    proto_line_end(&isolines->draft.writer);
+    proto_line_end(&isolines->field.query.draft);
     return status ? status : pause_at(isolines, control, 1);
 }
 
@@ -133,7 +130,7 @@ static enum gd_status write_line(struct isolines *isolines, const struct gd_isol
 static bool write_lines(struct isolines *isolines, const struct gd_isoline *isoline, const struct server_monitor *part,
                         struct proto_problem *problem)
 {
-    proto_isoline_begin(&isolines->draft.writer, isoline->level);
+    proto_isoline_begin(&isolines->field.query.draft, isoline->level);
     for (uint32_t i = 0; i < isoline->line_count; i++) {
         struct server_monitor monitor =
             server_monitor_portion(part, (double)i / isoline->line_count, 1.0 / isoline->line_count);
@@ -145,7 +142,7 @@ static bool write_lines(struct isolines *isolines, const struct gd_isoline *isol
             return false;
         }
     }
-    proto_isoline_end(&isolines->draft.writer);
+    proto_isoline_end(&isolines->field.query.draft);
     return true;
 }
 
@@ -167,12 +164,8 @@ static enum gd_status trace_level(struct isolines *isolines, const struct gd_fie
                                   struct server_monitor *part, struct gd_isoline *out)
 {
     struct tracing wanted = {field, level, out};
-    const struct server_call call = {.make = trace,
-                                     .user = &wanted,
-                                     .control = server_exchange_control(part),
-                                     .grant = BYTES_A_LEVEL +
-                                              gd_mesh_summary(mesh_of(isolines))->edges * (size_t)BYTES_AN_EDGE};
-    return server_call_make(isolines->field.query.exchange->server, &call);
+    size_t grant = BYTES_A_LEVEL + gd_mesh_summary(mesh_of(isolines))->edges * (size_t)BYTES_AN_EDGE;
+    return server_query_call(&isolines->field.query, part, trace, &wanted, grant);
 }
 
 static bool write_level(struct isolines *isolines, const struct gd_field *field, double level,
@@ -187,7 +180,7 @@ static bool write_level(struct isolines *isolines, const struct gd_field *field,
         return false;
     }
     bool ok = write_lines(isolines, &isoline, &second, problem);
-    server_budget_give(&isolines->field.query.exchange->server->budget, SERVER_BUDGET_FLIGHT, isoline.bytes);
+    server_query_give(&isolines->field.query, isoline.bytes);
     gd_isoline_free(&isoline);
     return ok;
 }
@@ -199,14 +192,13 @@ static enum server_query_turn answer(struct server_field_query *query, const str
 {
     struct isolines *isolines = (struct isolines *)query;
     uint32_t count = isolines->wanted.level_count;
-    server_draft_begin(&isolines->draft, &query->query);
-    proto_isolines_begin(&isolines->draft.writer);
+    proto_isolines_begin(&isolines->field.query.draft);
     for (uint32_t i = 0; i < count; i++) {
         struct server_monitor one = server_monitor_portion(part, (double)i / count, 1.0 / count);
         if (!write_level(isolines, field, isolines->wanted.levels[i], &one, problem)) return SERVER_QUERY_FAILED;
     }
-    proto_isolines_end(&isolines->draft.writer);
-    return proto_writer_check(&isolines->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    proto_isolines_end(&isolines->field.query.draft);
+    return server_query_end_draft(&query->query, GD_OK, WHAT, problem);
 }
 
 /* The request was read. */
@@ -230,15 +222,9 @@ static bool parse(struct server_query *query, const struct proto_parameters *par
            proto_isolines_parse(parameters, &isolines->wanted, problem) && settle(isolines, problem);
 }
 
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct isolines *)query)->draft, writer);
-}
-
 static void release(struct server_query *query)
 {
     struct isolines *isolines = (struct isolines *)query;
-    server_draft_end(&isolines->draft);
     proto_isolines_free(&isolines->wanted);
     server_field_query_release(query);
 }
@@ -252,7 +238,6 @@ static const struct server_query_kind isolines_kind = {.name = "isolines",
                                                        .glance = server_field_query_glance,
                                                        .join = server_field_query_join,
                                                        .solve = server_field_query_solve,
-                                                       .encode = encode,
                                                        .release = release};
 
 void server_handle_isolines(struct server_exchange *exchange)

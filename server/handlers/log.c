@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "proto/vector.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/field_query.h"
 #include "server/handlers/shortest.h"
 #include "server/reply.h"
@@ -24,15 +23,11 @@ struct log_map {
     double snap;                    /* how far it was moved; NAN: not at all */
     struct proto_located_points to; /* empty: all vertices */
     bool first_vector_only;
-    struct server_draft draft;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
 static void release(struct server_query *query)
 {
     struct log_map *map = (struct log_map *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, map->held);
-    server_draft_end(&map->draft);
     proto_located_points_free(&map->to);
     server_field_query_release(query);
 }
@@ -46,7 +41,7 @@ static bool wants_vectors(const struct log_map *map)
 
 static void begin_answer(struct log_map *map)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->field.query.draft;
     proto_write_object_begin(writer);
     if (map->field.query.options.fields & PROTO_LOG_FIELD_FROM) {
         proto_write_key(writer, "from");
@@ -59,22 +54,21 @@ static void begin_answer(struct log_map *map)
 
 static enum server_query_turn end_answer(struct log_map *map, enum gd_status status, struct proto_problem *problem)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->field.query.draft;
     if (wants_vectors(map)) proto_write_array_end(writer);
     proto_write_object_end(writer);
-    if (status) return server_query_fail(&map->field.query, status, WHAT, problem);
-    return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    return server_query_end_draft(&map->field.query, status, WHAT, problem);
 }
 
 /* The answer of a pair, which is used up, as a vector. */
 static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *answer)
 {
-    struct proto_writer *writer = &map->draft.writer;
+    struct proto_writer *writer = &map->field.query.draft;
     struct gd_log vectors = {0};
     enum gd_status status = GD_OK;
     if (isinf(answer->distance)) {
         proto_vector_encode(writer, NULL, answer->distance);
-        return server_draft_hold(&map->draft);
+        return server_query_hold_draft(&map->field.query);
     }
     status = gd_vector_log(map->field.query.surface->mesh, &answer->path, &vectors, NULL);
     gd_pair_answer_free(answer);
@@ -85,7 +79,7 @@ static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *ans
     }
     proto_log_encode(writer, &vectors, answer->is_cut);
     gd_log_free(&vectors);
-    return server_draft_hold(&map->draft);
+    return server_query_hold_draft(&map->field.query);
 }
 
 /* --- from the field ----------------------------------------------------------------------------------------------- */
@@ -108,11 +102,11 @@ static void write_vertex(struct log_map *map, double angle, double length)
     const struct gd_mesh *mesh = map->field.query.surface->mesh;
     struct gd_direction direction;
     if (isnan(length)) {
-        proto_write_null(&map->draft.writer); /* no face has it */
+        proto_write_null(&map->field.query.draft); /* no face has it */
         return;
     }
     bool has_direction = !isnan(angle) && !gd_direction_at_angle(mesh, &map->from.point, angle, &direction, NULL);
-    proto_vector_encode(&map->draft.writer, has_direction ? &direction : NULL, length);
+    proto_vector_encode(&map->field.query.draft, has_direction ? &direction : NULL, length);
 }
 
 static enum gd_status write_vertices(struct log_map *map, const double *angles, const double *lengths,
@@ -123,10 +117,10 @@ static enum gd_status write_vertices(struct log_map *map, const double *angles, 
     for (uint32_t i = 0; i < count && !status; i++) {
         write_vertex(map, angles[i], lengths[i]);
         if (i % CHUNK) continue;
-        status = server_draft_hold(&map->draft);
+        status = server_query_hold_draft(&map->field.query);
         if (!status) status = gd_control_check(control, (double)i / count);
     }
-    return status ? status : server_draft_hold(&map->draft);
+    return status ? status : server_query_hold_draft(&map->field.query);
 }
 
 static enum gd_status write_all(struct log_map *map, const struct gd_field *field, struct server_monitor *part)
@@ -134,10 +128,10 @@ static enum gd_status write_all(struct log_map *map, const struct gd_field *fiel
     struct server_monitor first = server_monitor_portion(part, 0, 0.5), second = server_monitor_portion(part, 0.5, 0.5);
     const struct gd_control mapping = server_exchange_control(&first), writing = server_exchange_control(&second);
     size_t count = gd_mesh_summary(map->field.query.surface->mesh)->index_count, bytes = 2 * count * BYTES_A_NODE;
-    if (!server_budget_take(&map->field.query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    map->held += bytes;
+    enum gd_status status = server_query_take(&map->field.query, bytes);
+    if (status) return status;
     double *angles = malloc(2 * count * sizeof *angles);
-    enum gd_status status = angles ? gd_vector_log_all(field, &mapping, angles, angles + count, NULL) : GD_NO_MEMORY;
+    status = angles ? gd_vector_log_all(field, &mapping, angles, angles + count, NULL) : GD_NO_MEMORY;
     if (!status) status = write_vertices(map, angles, angles + count, &writing);
     free(angles);
     return status;
@@ -166,7 +160,6 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     map->set = (struct proto_located_set){.count = 1, .seed_count = 1, .seeds = &map->from};
     server_field_query_of_located(&map->field, &map->set, 0);
     map->field.answer = answer;
-    server_draft_begin(&map->draft, query);
     return ok;
 }
 
@@ -202,11 +195,6 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     return end_answer(map, wants_vectors(map) ? search(map) : GD_OK, problem);
 }
 
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct log_map *)query)->draft, writer);
-}
-
 static const struct server_query_kind log_kind = {.name = "log",
                                                   .size = sizeof(struct log_map),
                                                   .fields = proto_log_fields,
@@ -214,7 +202,6 @@ static const struct server_query_kind log_kind = {.name = "log",
                                                   .glance = server_field_query_glance,
                                                   .join = join,
                                                   .solve = solve,
-                                                  .encode = encode,
                                                   .release = release};
 
 void server_handle_log(struct server_exchange *exchange)

@@ -17,13 +17,11 @@ struct matrix {
     struct proto_located_points sources, targets;
     double max_distance;
     double *distances; /* a source a row; NULL: not there yet */
-    size_t held;       /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
 static void release(struct server_query *query)
 {
     struct matrix *matrix = (struct matrix *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, matrix->held);
     proto_located_points_free(&matrix->sources);
     proto_located_points_free(&matrix->targets);
     free(matrix->distances);
@@ -58,8 +56,8 @@ static enum gd_status reserve(struct matrix *matrix)
     struct server_matrix_request request = request_of(matrix);
     size_t entries = (size_t)matrix->sources.count * matrix->targets.count;
     size_t bytes = entries * (sizeof *matrix->distances + BYTES_A_NUMBER) + server_matrix_cost(&request);
-    if (!server_budget_take(&matrix->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    matrix->held = bytes;
+    enum gd_status status = server_query_take(&matrix->query, bytes);
+    if (status) return status;
     matrix->distances = malloc(entries * sizeof *matrix->distances);
     return matrix->distances ? GD_OK : GD_NO_MEMORY;
 }

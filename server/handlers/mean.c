@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "proto/mean.h"
-#include "server/call.h"
 #include "server/field_build.h"
 #include "server/handlers/query.h"
 #include "server/landmarks.h"
@@ -73,15 +72,11 @@ static enum gd_status find(void *user, const struct gd_control *control, size_t 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct mean *mean = (struct mean *)query;
-    struct server *server = query->exchange->server;
-    struct server_landmark_set *set = server_landmarks_find(server->landmarks, query->surface);
+    struct server_landmark_set *set = server_landmarks_find(query->exchange->server->landmarks, query->surface);
     struct server_monitor part = server_query_monitor(query, 0, 1);
     struct finding finding = {mean, set ? set->landmarks : NULL};
-    const struct server_call call = {.make = find,
-                                     .user = &finding,
-                                     .control = server_exchange_control(&part),
-                                     .grant = server_field_build_grant(mean->points.mesh)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status =
+        server_query_call(query, &part, find, &finding, server_field_build_grant(mean->points.mesh));
     server_landmark_set_release(set);
     return status ? server_query_fail(query, status, WHAT, problem) : SERVER_QUERY_DONE;
 }

@@ -2,88 +2,58 @@
 #include "server/handlers/handlers.h"
 
 #include "proto/jet.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
-#include "server/handlers/query.h"
+#include "server/handlers/smooth.h"
 #include "server/nurbs.h"
-#include "server/server.h"
+
+static const struct gd_parametric *surface_of(const struct server_query *query)
+{
+    return server_nurbs_of(query->surface)->surface;
+}
 
 /* --- evaluate ----------------------------------------------------------------------------------------------------- */
 
-#define QUICK_PLACES 8  /* evaluated by the HTTP thread: some microseconds each */
-#define ROUND        64 /* places between looks at clock and budget */
-
 struct evaluating {
-    struct server_query query; /* first */
+    struct server_smooth_evaluation evaluation; /* first */
     struct proto_uvs places;
-    struct server_draft draft;
 };
+
+static enum gd_status write_jets(struct server_smooth_evaluation *evaluation, uint32_t first, uint32_t count,
+                                 const struct gd_control *control)
+{
+    struct server_query *query = &evaluation->query;
+    const double(*places)[2] = ((const struct evaluating *)evaluation)->places.items + first;
+    enum gd_status status = GD_OK;
+    (void)control; /* of so few */
+    for (uint32_t i = 0; i < count && !status; i++) {
+        struct gd_jet jet;
+        status = gd_parametric_evaluate(surface_of(query), places[i][0], places[i][1], &jet);
+        if (!status) proto_jet_encode(&query->draft, &jet, query->options.fields);
+    }
+    return status;
+}
 
 static bool decode_evaluate(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
     struct evaluating *evaluating = (struct evaluating *)query;
-    return proto_jets_decode(document, server_nurbs_of(query->surface)->surface, &evaluating->places, problem);
-}
-
-static enum gd_status write_jets(struct evaluating *evaluating)
-{
-    const struct server_query *query = &evaluating->query;
-    const struct gd_parametric *surface = server_nurbs_of(query->surface)->surface;
-    struct server_monitor monitor = server_query_monitor(query, 0, 1);
-    const struct gd_control control = server_exchange_control(&monitor);
-    uint32_t count = evaluating->places.count;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        struct gd_jet jet;
-        const double *uv = evaluating->places.items[i];
-        status = gd_parametric_evaluate(surface, uv[0], uv[1], &jet);
-        if (!status) proto_jet_encode(&evaluating->draft.writer, &jet, query->options.fields);
-        if (!status && i % ROUND == 0) status = gd_control_check(&control, (double)i / count);
-        if (!status && i % ROUND == 0) status = server_draft_hold(&evaluating->draft);
-    }
-    return status ? status : server_draft_hold(&evaluating->draft);
-}
-
-static enum server_query_turn solve_evaluate(struct server_query *query, struct proto_problem *problem)
-{
-    struct evaluating *evaluating = (struct evaluating *)query;
-    struct proto_writer *writer = &evaluating->draft.writer;
-    server_draft_begin(&evaluating->draft, query);
-    proto_write_object_begin(writer);
-    proto_write_key(writer, "points");
-    proto_write_array_begin(writer);
-    enum gd_status status = write_jets(evaluating);
-    proto_write_array_end(writer);
-    proto_write_object_end(writer);
-    if (status) return server_query_fail(query, status, "the answer", problem);
-    return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static enum server_query_turn glance_evaluate(struct server_query *query, struct proto_problem *problem)
-{
-    if (((struct evaluating *)query)->places.count > QUICK_PLACES) return SERVER_QUERY_AGAIN;
-    return solve_evaluate(query, problem);
-}
-
-static void encode_evaluate(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct evaluating *)query)->draft, writer);
+    if (!proto_jets_decode(document, surface_of(query), &evaluating->places, problem)) return false;
+    evaluating->evaluation.count = evaluating->places.count;
+    evaluating->evaluation.quick = 8; /* some microseconds each */
+    evaluating->evaluation.round = 64;
+    evaluating->evaluation.write = write_jets;
+    return true;
 }
 
 static void release_evaluate(struct server_query *query)
 {
-    struct evaluating *evaluating = (struct evaluating *)query;
-    server_draft_end(&evaluating->draft);
-    proto_uvs_free(&evaluating->places);
+    proto_uvs_free(&((struct evaluating *)query)->places);
 }
 
 static const struct server_query_kind evaluate_kind = {.name = "evaluate",
                                                        .size = sizeof(struct evaluating),
                                                        .fields = proto_jet_fields,
                                                        .decode = decode_evaluate,
-                                                       .glance = glance_evaluate,
-                                                       .solve = solve_evaluate,
-                                                       .encode = encode_evaluate,
+                                                       .glance = server_smooth_evaluation_glance,
+                                                       .solve = server_smooth_evaluation_solve,
                                                        .release = release_evaluate};
 
 void server_handle_nurbs_evaluate(struct server_exchange *exchange)
@@ -93,34 +63,22 @@ void server_handle_nurbs_evaluate(struct server_exchange *exchange)
 
 /* --- nearest ------------------------------------------------------------------------------------------------------ */
 
-#define APPROACH_BYTES ((size_t)1 << 20)
-
 struct approaching {
-    struct server_query query; /* first */
-    struct gd_vec3 xyz;
+    struct server_smooth_approach approach; /* first */
     struct gd_parametric_foot foot;
 };
 
+static enum gd_status find(struct server_smooth_approach *approach, const struct gd_control *control)
+{
+    return gd_parametric_nearest(surface_of(&approach->query), approach->xyz, control,
+                                 &((struct approaching *)approach)->foot, NULL);
+}
+
 static bool decode_nearest(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
-    return proto_foot_decode(document, &((struct approaching *)query)->xyz, problem);
-}
-
-static enum gd_status approach(void *user, const struct gd_control *control, size_t *kept)
-{
-    struct approaching *approaching = user;
-    (void)kept; /* nothing */
-    return gd_parametric_nearest(server_nurbs_of(approaching->query.surface)->surface, approaching->xyz, control,
-                                 &approaching->foot, NULL);
-}
-
-static enum server_query_turn solve_nearest(struct server_query *query, struct proto_problem *problem)
-{
-    struct server_monitor monitor = server_query_monitor(query, 0, 1);
-    const struct server_call call = {
-        .make = approach, .user = query, .control = server_exchange_control(&monitor), .grant = APPROACH_BYTES};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
-    return status ? server_query_fail(query, status, "the search", problem) : SERVER_QUERY_DONE;
+    struct server_smooth_approach *approach = (struct server_smooth_approach *)query;
+    approach->find = find;
+    return server_smooth_approach_decode(approach, document, problem);
 }
 
 static void encode_nearest(const struct server_query *query, struct proto_writer *writer)
@@ -132,7 +90,7 @@ static const struct server_query_kind nearest_kind = {.name = "nearest",
                                                       .size = sizeof(struct approaching),
                                                       .fields = proto_foot_fields,
                                                       .decode = decode_nearest,
-                                                      .solve = solve_nearest,
+                                                      .solve = server_smooth_approach_solve,
                                                       .encode = encode_nearest};
 
 void server_handle_nurbs_nearest(struct server_exchange *exchange)

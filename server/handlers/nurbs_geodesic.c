@@ -2,8 +2,6 @@
 #include "server/handlers/handlers.h"
 
 #include "proto/geodesic_like.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/query.h"
 #include "server/nurbs.h"
 #include "server/server.h"
@@ -19,8 +17,6 @@ struct finding {
     struct server_monitor monitor;
     struct gd_geodesics found;
     struct gd_detail detail;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for what was found */
-    struct server_draft draft;
 };
 
 /* --- the question ------------------------------------------------------------------------------------------------- */
@@ -84,16 +80,11 @@ static enum gd_status find(void *user, const struct gd_control *control, size_t 
 
 static enum gd_status find_paths(struct finding *finding)
 {
-    const struct server_query *query = &finding->query;
+    struct server_query *query = &finding->query;
     const struct gd_mesh *mesh = gd_tessellation_mesh(server_nurbs_of(query->surface)->tessellation);
     finding->monitor = server_query_monitor(query, 0, 1);
-    const struct server_call call = {.make = find,
-                                     .user = finding,
-                                     .control = server_exchange_control(&finding->monitor),
-                                     .grant = BYTES_A_PATH + gd_mesh_summary(mesh)->faces * (size_t)BYTES_A_FACE};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
-    finding->held = status ? 0 : found_bytes(&finding->found);
-    return status;
+    return server_query_call(query, &finding->monitor, find, finding,
+                             BYTES_A_PATH + gd_mesh_summary(mesh)->faces * (size_t)BYTES_A_FACE);
 }
 
 /* Long curves take tens of milliseconds each. */
@@ -116,9 +107,7 @@ static enum gd_status write_answer(struct finding *finding)
 {
     const struct proto_geodesic_answer answer = {
         .request = &finding->wanted, .ends = {finding->ends[0], finding->ends[1]}, .found = &finding->found};
-    server_draft_begin(&finding->draft, &finding->query);
-    enum gd_status status = proto_geodesic_encode(&finding->draft.writer, &answer, &finding->query.options);
-    return status ? status : server_draft_hold(&finding->draft);
+    return proto_geodesic_encode(&finding->query.draft, &answer, &finding->query.options);
 }
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
@@ -131,22 +120,13 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
         return SERVER_QUERY_FAILED;
     }
     if (status) return server_query_fail(query, status, WHAT, problem);
-    status = write_answer(finding);
-    if (status) return server_query_fail(query, status, "the answer", problem);
-    return proto_writer_check(&finding->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct finding *)query)->draft, writer);
+    return server_query_end_draft(query, write_answer(finding), "the answer", problem);
 }
 
 static void release(struct server_query *query)
 {
     struct finding *finding = (struct finding *)query;
-    server_draft_end(&finding->draft);
     gd_geodesics_free(&finding->found);
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, finding->held);
     for (int k = 0; k < 2; k++) gd_domain_curve_release(finding->ends[k]);
     proto_geodesic_free(&finding->wanted);
 }
@@ -158,7 +138,6 @@ static const struct server_query_kind geodesic_kind = {.name = "geodesic",
                                                        .fields = proto_geodesic_fields,
                                                        .decode = decode_points,
                                                        .solve = solve,
-                                                       .encode = encode,
                                                        .release = release};
 
 static const struct server_query_kind point_curve_kind = {.name = "point-curve-distance",
@@ -166,7 +145,6 @@ static const struct server_query_kind point_curve_kind = {.name = "point-curve-d
                                                           .fields = proto_geodesic_fields,
                                                           .decode = decode_point_and_curve,
                                                           .solve = solve,
-                                                          .encode = encode,
                                                           .release = release};
 
 static const struct server_query_kind curves_kind = {.name = "curve-distance",
@@ -174,7 +152,6 @@ static const struct server_query_kind curves_kind = {.name = "curve-distance",
                                                      .fields = proto_geodesic_fields,
                                                      .decode = decode_curves,
                                                      .solve = solve,
-                                                     .encode = encode,
                                                      .release = release};
 
 void server_handle_nurbs_geodesic(struct server_exchange *exchange)

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "proto/tessellation.h"
-#include "server/call.h"
 #include "server/handlers/query.h"
 #include "server/handlers/request.h"
 #include "server/handlers/vertex_origins.h"
@@ -21,7 +20,6 @@ struct tessellating {
     struct gd_tessellation *tessellation;
     struct server_monitor monitor;
     struct gd_detail detail;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for the tessellation */
     struct server_making making;
 };
 
@@ -45,17 +43,10 @@ static enum gd_status build(void *user, const struct gd_control *control, size_t
 
 static bool tessellate(struct tessellating *tessellating, struct proto_problem *problem)
 {
-    const struct server_query *query = &tessellating->query;
+    struct server_query *query = &tessellating->query;
     tessellating->monitor = server_query_monitor(query, 0, 0.5);
-    const struct server_call call = {.make = build,
-                                     .user = tessellating,
-                                     .control = server_exchange_control(&tessellating->monitor),
-                                     .grant = TESSELLATION_BYTES};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
-    if (!status) {
-        tessellating->held = gd_tessellation_memsize(tessellating->tessellation);
-        return true;
-    }
+    enum gd_status status = server_query_call(query, &tessellating->monitor, build, tessellating, TESSELLATION_BYTES);
+    if (!status) return true;
     server_query_fail(query, status, WHAT, problem);
     if (status != GD_BUDGET) proto_problem_from_status(problem, status, &tessellating->detail);
     if (status == GD_TOO_LARGE) proto_problem_limit(problem, GD_TESSELLATION_FACES_MAX);
@@ -84,7 +75,6 @@ static void release(struct server_query *query)
     struct tessellating *tessellating = (struct tessellating *)query;
     server_making_end(&tessellating->making);
     gd_tessellation_release(tessellating->tessellation);
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, tessellating->held);
 }
 
 static const char *const no_fields[] = {NULL};

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "server/call.h"
 #include "server/etag.h"
 #include "server/handlers/description.h"
 #include "server/handlers/request.h"
@@ -24,6 +25,7 @@ struct server_query *server_query_create(const struct server_query_kind *kind, s
     memset((char *)query + sizeof *query, 0, kind->size - sizeof *query);
     *query = (struct server_query){
         .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
+    proto_writer_init(&query->draft, SERVER_REPLY_MOST);
     return query;
 }
 
@@ -31,6 +33,8 @@ void server_query_destroy(struct server_query *query)
 {
     if (!query) return;
     if (query->kind->release) query->kind->release(query);
+    proto_writer_free(&query->draft);
+    if (query->held) server_query_give(query, query->held);
     server_surface_release(query->surface);
     free(query);
 }
@@ -68,6 +72,72 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
     return SERVER_QUERY_FAILED;
 }
 
+/* --- what it holds ------------------------------------------------------------------------------------------------ */
+
+enum gd_status server_query_take(struct server_query *query, size_t bytes)
+{
+    if (!server_budget_take(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
+    query->held += bytes;
+    return GD_OK;
+}
+
+void server_query_give(struct server_query *query, size_t bytes)
+{
+    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes);
+    query->held -= bytes;
+}
+
+struct holding {
+    server_query_maker *make;
+    void *user;
+    size_t kept;
+};
+
+static enum gd_status make_and_count(void *user, const struct gd_control *control, size_t *kept)
+{
+    struct holding *holding = user;
+    enum gd_status status = holding->make(holding->user, control, kept);
+    holding->kept = *kept;
+    return status;
+}
+
+enum gd_status server_query_call(struct server_query *query, struct server_monitor *part, server_query_maker *make,
+                                 void *user, size_t grant)
+{
+    struct holding holding = {.make = make, .user = user};
+    const struct server_call call = {
+        .make = make_and_count, .user = &holding, .control = server_exchange_control(part), .grant = grant};
+    enum gd_status status = server_call_make(query->exchange->server, &call);
+    query->held += holding.kept;
+    return status;
+}
+
+/* --- the draft ---------------------------------------------------------------------------------------------------- */
+
+enum gd_status server_query_hold_draft(struct server_query *query)
+{
+    size_t more = query->draft.capacity - query->drafted;
+    enum gd_status status = server_query_take(query, more);
+    if (!status) query->drafted += more;
+    return status;
+}
+
+enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,
+                                              struct proto_problem *problem)
+{
+    if (!status) status = server_query_hold_draft(query);
+    if (status) return server_query_fail(query, status, what, problem);
+    return proto_writer_check(&query->draft, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+}
+
+void server_query_encode(const struct server_query *query, struct proto_writer *writer)
+{
+    if (query->kind->encode)
+        query->kind->encode(query, writer);
+    else
+        proto_write_raw(writer, query->draft.data, query->draft.size);
+}
+
 /* --- a request of its own ----------------------------------------------------------------------------------------- */
 
 static void reply_bytes(struct server_query *query)
@@ -97,7 +167,6 @@ static void reply_form(struct server_query *query)
 
 static void reply_answer(struct server_query *query)
 {
-    struct proto_writer writer;
     unsigned status = query->kind->status ? query->kind->status(query) : 200;
     server_description_tag(query->exchange, query->surface->record);
     if (query->kind->reply) {
@@ -113,9 +182,8 @@ static void reply_answer(struct server_query *query)
         reply_form(query);
         return;
     }
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    query->kind->encode(query, &writer);
-    server_reply_json(query->exchange, status, &writer);
+    if (query->kind->encode) query->kind->encode(query, &query->draft);
+    server_reply_json(query->exchange, status, &query->draft);
 }
 
 /* False: the exchange is not its own any more. */

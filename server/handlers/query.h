@@ -5,7 +5,7 @@
  *     decode or parse    once: reads the question and puts its points on the mesh
  *     glance             once, perhaps by an HTTP thread: answers if that takes no time
  *     solve              by a worker, as long as the turn is AGAIN or, after the exchange has come back, PARKED
- *     encode, bytes or write    once the turn is DONE
+ *     encode, bytes or write    once the turn is DONE; a kind whose long answer is written as it is found, as the query's draft, has none
  *     release            in the end, at whatever step that is
  * A query belongs to the thread that has its exchange: whoever gets PARKED touches neither any more. */
 #ifndef SERVER_HANDLERS_QUERY_H
@@ -34,6 +34,9 @@ struct server_query {
     unsigned form;       /* of the answer, form.h */
     bool with_mesh;      /* the form is to have the mesh with it */
     double begun, share; /* of the exchange's work, see struct server_monitor */
+    struct proto_writer draft;
+    size_t held,
+        drafted; /* bytes of SERVER_BUDGET_FLIGHT, given back when it ends; those of the draft are among them */
 };
 
 struct server_query_kind {
@@ -46,7 +49,7 @@ struct server_query_kind {
     enum server_query_turn (*glance)(struct server_query *query, struct proto_problem *problem); /* NULL: AGAIN */
     bool (*join)(struct server_query *query); /* see server_exchange_defer; may be NULL */
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
-    void (*encode)(const struct server_query *query, struct proto_writer *writer);
+    void (*encode)(const struct server_query *query, struct proto_writer *writer); /* NULL: the answer is the draft */
     void (*reply)(struct server_query *query); /* instead of encode: the answer is no JSON. NULL: it is */
     void *(*bytes)(const struct server_query *query,
                    size_t *size);    /* the answer as float64, by malloc; NULL: it has no such form */
@@ -83,6 +86,26 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
 
 /* Counts a failure of the engine if it is a failed self-check. */
 void server_query_count(const struct server_query *query, enum gd_status status);
+
+/* Holds so many bytes more. GD_BUDGET. */
+GD_MUST_USE enum gd_status server_query_take(struct server_query *query, size_t bytes);
+void server_query_give(struct server_query *query, size_t bytes);
+
+typedef enum gd_status server_query_maker(void *user, const struct gd_control *control, size_t *kept);
+
+/* One long call of the engine (call.h) on behalf of a part of the query's work. What its result keeps is held. */
+GD_MUST_USE enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
+                                             server_query_maker *make, void *user, size_t grant);
+
+/* Holds what the draft has grown by: to be called now and then while it is written. GD_BUDGET. */
+GD_MUST_USE enum gd_status server_query_hold_draft(struct server_query *query);
+
+/* The turn when it is written: DONE; or FAILED with the problem that `status` is (then `what` needs memory), or that the draft is too large. */
+enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,
+                                              struct proto_problem *problem);
+
+/* Writes the answer of a query that is DONE. */
+void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
 /* A request of its own: the handler of an operation that is a query of that kind. */
 void server_query_handle(struct server_exchange *exchange, const struct server_query_kind *kind);

@@ -6,7 +6,6 @@
 
 #include "gd/sampling.h"
 #include "proto/sampling.h"
-#include "server/call.h"
 #include "server/field_build.h"
 #include "server/handlers/query.h"
 #include "server/server.h"
@@ -23,7 +22,6 @@ struct sampling {
     double snap; /* how far the start was moved; NAN: not at all */
     struct gd_point *points;
     double *radii;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT */
 };
 
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
@@ -41,9 +39,8 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
 /* Memory for the answer, and bytes of the budget. */
 static enum gd_status reserve(struct sampling *sampling)
 {
-    size_t bytes = (size_t)sampling->count * BYTES_A_POINT;
-    if (!server_budget_take(&sampling->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    sampling->held = bytes;
+    enum gd_status status = server_query_take(&sampling->query, (size_t)sampling->count * BYTES_A_POINT);
+    if (status) return status;
     sampling->points = malloc(sampling->count * sizeof *sampling->points);
     sampling->radii = malloc(sampling->count * sizeof *sampling->radii);
     return sampling->points && sampling->radii ? GD_OK : GD_NO_MEMORY;
@@ -69,11 +66,8 @@ static enum gd_status choose_points(struct sampling *sampling)
     struct server_monitor part = server_query_monitor(&sampling->query, 0, 1);
     struct server_team *team = server_team_call(server->workers, sampling->query.exchange->job.deadline_ns);
     struct choosing choosing = {sampling, server_team_executor(team)};
-    const struct server_call call = {.make = choose,
-                                     .user = &choosing,
-                                     .control = server_exchange_control(&part),
-                                     .grant = server_field_build_grant(sampling->query.surface->mesh)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status = server_query_call(&sampling->query, &part, choose, &choosing,
+                                              server_field_build_grant(sampling->query.surface->mesh));
     server_team_dismiss(team);
     return status;
 }
@@ -96,7 +90,6 @@ static void encode(const struct server_query *query, struct proto_writer *writer
 static void release(struct server_query *query)
 {
     struct sampling *sampling = (struct sampling *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, sampling->held);
     free(sampling->points);
     free(sampling->radii);
 }

@@ -28,7 +28,6 @@ const struct server_query_kind server_query_distance_to_set = {.name = "distance
                                                                .glance = server_field_query_glance,
                                                                .join = server_field_query_join,
                                                                .solve = server_field_query_solve,
-                                                               .encode = server_evaluation_encode,
                                                                .release = server_evaluation_release};
 
 void server_handle_distance_to_set(struct server_exchange *exchange)

@@ -2,9 +2,7 @@
 #include "server/handlers/handlers.h"
 
 #include "proto/spline.h"
-#include "server/call.h"
 #include "server/field_build.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/query.h"
 #include "server/landmarks.h"
 #include "server/server.h"
@@ -19,15 +17,11 @@ struct drawing {
     struct proto_located_spline located;
     struct gd_spline spline;
     struct gd_spline_line line;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for both */
-    struct server_draft draft;
 };
 
 static void release(struct server_query *query)
 {
     struct drawing *drawing = (struct drawing *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, drawing->held);
-    server_draft_end(&drawing->draft);
     gd_spline_free(&drawing->spline);
     gd_spline_line_free(&drawing->line);
     proto_located_spline_free(&drawing->located);
@@ -78,18 +72,6 @@ static enum gd_status make(void *user, const struct gd_control *control, size_t 
     return status;
 }
 
-static enum gd_status write_answer(struct drawing *drawing, struct proto_problem *problem)
-{
-    struct server_query *query = &drawing->query;
-    server_draft_begin(&drawing->draft, query);
-    proto_spline_encode(&drawing->draft.writer, query->surface->mesh, &drawing->spline, &drawing->line,
-                        drawing->wanted.frames, &query->options);
-    enum gd_status status = server_draft_hold(&drawing->draft);
-    if (!status && !proto_writer_check(&drawing->draft.writer, problem)) return GD_TOO_LARGE;
-    if (status) server_query_fail(query, status, "the answer", problem);
-    return status;
-}
-
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct drawing *drawing = (struct drawing *)query;
@@ -99,11 +81,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct server_team *team = server_team_call(server->workers, query->exchange->job.deadline_ns);
     drawing->located.request.landmarks = set ? set->landmarks : NULL;
     drawing->located.request.executor = server_team_executor(team);
-    const struct server_call call = {.make = make,
-                                     .user = &making,
-                                     .control = server_exchange_control(&making.part),
-                                     .grant = server_field_build_grant(query->surface->mesh)};
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status =
+        server_query_call(query, &making.part, make, &making, server_field_build_grant(query->surface->mesh));
     server_team_dismiss(team);
     server_landmark_set_release(set);
     if (status && status != GD_BUDGET && making.detail.text[0]) {
@@ -112,13 +91,9 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
         return SERVER_QUERY_FAILED;
     }
     if (status) return server_query_fail(query, status, WHAT, problem);
-    drawing->held = bytes_of(&drawing->spline, &drawing->line);
-    return write_answer(drawing, problem) ? SERVER_QUERY_FAILED : SERVER_QUERY_DONE;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct drawing *)query)->draft, writer);
+    proto_spline_encode(&query->draft, query->surface->mesh, &drawing->spline, &drawing->line, drawing->wanted.frames,
+                        &query->options);
+    return server_query_end_draft(query, GD_OK, "the answer", problem);
 }
 
 static const struct server_query_kind spline_kind = {.name = "spline",
@@ -126,7 +101,6 @@ static const struct server_query_kind spline_kind = {.name = "spline",
                                                      .fields = proto_spline_fields,
                                                      .decode = decode,
                                                      .solve = solve,
-                                                     .encode = encode,
                                                      .release = release};
 
 void server_handle_spline(struct server_exchange *exchange)

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "proto/discretization.h"
-#include "server/call.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/request.h"
 #include "server/handlers/subdivisions.h"
@@ -18,7 +17,6 @@ struct discretizing {
     struct proto_discretization wanted;
     struct gd_discretization fine;
     struct gd_detail detail;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for the discretization */
     struct server_making making;
 };
 
@@ -50,15 +48,10 @@ static enum gd_status make(void *user, const struct gd_control *control, size_t 
 
 static bool discretize(struct discretizing *discretizing, struct proto_problem *problem)
 {
-    const struct server_query *query = &discretizing->query;
+    struct server_query *query = &discretizing->query;
     struct server_monitor monitor = server_query_monitor(query, 0, 0.3);
-    const struct server_call call = {.make = make,
-                                     .user = discretizing,
-                                     .control = server_exchange_control(&monitor),
-                                     .grant = BYTES_A_DISCRETIZATION};
-    enum gd_status status = server_call_make(query->exchange->server, &call);
-    discretizing->held = status ? 0 : bytes_of(&discretizing->fine);
-    return !status || server_subdivision_fail(query, status, &discretizing->detail, WHAT, problem) == SERVER_QUERY_DONE;
+    enum gd_status status = server_query_call(query, &monitor, make, discretizing, BYTES_A_DISCRETIZATION);
+    return !status || server_smooth_fail(query, status, &discretizing->detail, WHAT, problem) == SERVER_QUERY_DONE;
 }
 
 static bool store(struct server_exchange *exchange)
@@ -83,7 +76,6 @@ static void release(struct server_query *query)
     struct discretizing *discretizing = (struct discretizing *)query;
     server_making_end(&discretizing->making);
     gd_discretization_free(&discretizing->fine);
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, discretizing->held);
 }
 
 static const char *const no_fields[] = {NULL};

@@ -2,8 +2,6 @@
 #include <math.h>
 
 #include "proto/limit_trace.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/subdivisions.h"
 #include "server/server.h"
@@ -22,15 +20,11 @@ struct tracing {
     struct gd_vec3 direction;           /* of the smooth one under way, */
     struct gd_limit_path path;          /* and where it leads */
     struct gd_detail detail;
-    struct server_draft draft;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for so many */
 };
 
 static void release(struct server_query *query)
 {
     struct tracing *tracing = (struct tracing *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, tracing->held);
-    server_draft_end(&tracing->draft);
     server_discretization_release(tracing->fine);
     proto_limit_trace_free(&tracing->wanted);
 }
@@ -43,7 +37,6 @@ static const struct gd_subdivision *surface_of(const struct tracing *tracing)
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
-    server_draft_begin(&tracing->draft, query);
     return proto_limit_trace_decode(document, surface_of(tracing), &tracing->wanted, problem);
 }
 
@@ -69,7 +62,7 @@ static enum gd_status reserve(struct tracing *tracing)
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, one)) return GD_BUDGET;
     bool is_room = server_budget_take_spare(budget, SERVER_BUDGET_FLIGHT, (GD_TRACE_LANES - 1) * one);
     tracing->lanes = is_room ? GD_TRACE_LANES : 1;
-    tracing->held = tracing->lanes * one;
+    tracing->query.held += tracing->lanes * one;
     return GD_OK;
 }
 
@@ -128,7 +121,7 @@ static enum gd_status write_mesh_path(struct tracing *tracing, const struct gd_t
     struct gd_limit_jet end;
     enum gd_status status = evaluate(tracing, &place, &end);
     if (!status)
-        proto_limit_trace_encode_mesh(&tracing->draft.writer, tracing->fine->mesh, trace, &end,
+        proto_limit_trace_encode_mesh(&tracing->query.draft, tracing->fine->mesh, trace, &end,
                                       tracing->query.options.geometry);
     return status;
 }
@@ -148,31 +141,33 @@ static enum gd_status write_mesh_paths(struct tracing *tracing, uint32_t first, 
 
 /* --- on the surface ----------------------------------------------------------------------------------------------- */
 
+static size_t bytes_of(const struct gd_limit_path *path)
+{
+    return 2 * (size_t)path->step_count * sizeof *path->steps;
+}
+
 static enum gd_status trace_smooth(void *user, const struct gd_control *control, size_t *kept)
 {
     struct tracing *tracing = user;
     enum gd_status status = gd_limit_trace(surface_of(tracing), &tracing->wanted.start, tracing->direction,
                                            tracing->wanted.length, control, &tracing->path, &tracing->detail);
-    if (!status) *kept = 2 * (size_t)tracing->path.step_count * sizeof *tracing->path.steps;
+    if (!status) *kept = bytes_of(&tracing->path);
     return status;
 }
 
 static enum gd_status write_smooth_path(struct tracing *tracing, uint32_t i)
 {
-    struct server *server = tracing->query.exchange->server;
     struct server_monitor monitor = monitor_of(tracing, i, 1);
-    const struct server_call call = {
-        .make = trace_smooth, .user = tracing, .control = server_exchange_control(&monitor), .grant = BYTES_A_TRACE};
     tracing->direction = proto_limit_trace_direction(&tracing->wanted, &tracing->jet, i);
-    enum gd_status status = server_call_make(server, &call);
+    enum gd_status status = server_query_call(&tracing->query, &monitor, trace_smooth, tracing, BYTES_A_TRACE);
     if (status) return status;
     struct gd_limit_path *path = &tracing->path;
     struct gd_limit_jet end;
-    size_t held = 2 * (size_t)path->step_count * sizeof *path->steps;
+    size_t held = bytes_of(path);
     status = evaluate(tracing, &path->steps[path->step_count - 1].place, &end);
-    if (!status) proto_limit_trace_encode_smooth(&tracing->draft.writer, path, &end, tracing->query.options.geometry);
+    if (!status) proto_limit_trace_encode_smooth(&tracing->query.draft, path, &end, tracing->query.options.geometry);
     gd_limit_path_free(path);
-    server_budget_give(&server->budget, SERVER_BUDGET_FLIGHT, held);
+    server_query_give(&tracing->query, held);
     return status;
 }
 
@@ -180,7 +175,7 @@ static enum gd_status write_smooth_path(struct tracing *tracing, uint32_t i)
 
 static enum gd_status write_paths(struct tracing *tracing)
 {
-    struct proto_writer *writer = &tracing->draft.writer;
+    struct proto_writer *writer = &tracing->query.draft;
     bool smooth = tracing->wanted.smooth;
     uint32_t total = tracing->wanted.ways.count;
     enum gd_status status = smooth ? GD_OK : prepare_mesh(tracing);
@@ -189,7 +184,7 @@ static enum gd_status write_paths(struct tracing *tracing)
     for (uint32_t i = 0, count; i < total && !status; i += count) {
         count = smooth ? 1 : total - i < tracing->lanes ? total - i : tracing->lanes;
         status = smooth ? write_smooth_path(tracing, i) : write_mesh_paths(tracing, i, count);
-        if (!status) status = server_draft_hold(&tracing->draft);
+        if (!status) status = server_query_hold_draft(&tracing->query);
     }
     proto_write_array_end(writer);
     return status;
@@ -197,7 +192,7 @@ static enum gd_status write_paths(struct tracing *tracing)
 
 static void write_head(struct tracing *tracing)
 {
-    struct proto_writer *writer = &tracing->draft.writer;
+    struct proto_writer *writer = &tracing->query.draft;
     uint32_t fields = tracing->query.options.fields;
     if (fields & PROTO_LIMIT_TRACE_FIELD_START) {
         proto_write_key(writer, "start");
@@ -221,20 +216,15 @@ static enum server_query_turn refuse_start(struct proto_problem *problem)
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
-    struct proto_writer *writer = &tracing->draft.writer;
+    struct proto_writer *writer = &tracing->query.draft;
     enum gd_status status = evaluate(tracing, &tracing->wanted.start, &tracing->jet);
     if (!status && isnan(tracing->jet.normal.x)) return refuse_start(problem);
     proto_write_object_begin(writer);
     if (!status) write_head(tracing);
     if (!status && query->options.fields & PROTO_LIMIT_TRACE_FIELD_PATHS) status = write_paths(tracing);
     proto_write_object_end(writer);
-    if (status) return server_subdivision_fail(query, status, &tracing->detail, WHAT, problem);
-    return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct tracing *)query)->draft, writer);
+    if (status) return server_smooth_fail(query, status, &tracing->detail, WHAT, problem);
+    return server_query_end_draft(query, GD_OK, WHAT, problem);
 }
 
 static const struct server_query_kind trace_kind = {.name = "trace",
@@ -242,7 +232,6 @@ static const struct server_query_kind trace_kind = {.name = "trace",
                                                     .fields = proto_limit_trace_fields,
                                                     .decode = decode,
                                                     .solve = solve,
-                                                    .encode = encode,
                                                     .release = release};
 
 void server_handle_subdivision_trace(struct server_exchange *exchange)

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "proto/trace.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/query.h"
 #include "server/server.h"
 
@@ -16,15 +15,11 @@ struct tracing {
     struct gd_point start;
     double snap;                     /* how far it was moved; NAN: not at all */
     struct gd_direction *directions; /* as many as are wanted */
-    struct server_draft draft;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for one path */
 };
 
 static void release(struct server_query *query)
 {
     struct tracing *tracing = (struct tracing *)query;
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, tracing->held);
-    server_draft_end(&tracing->draft);
     proto_trace_free(&tracing->wanted);
     free(tracing->directions);
 }
@@ -50,7 +45,6 @@ static bool locate_directions(struct tracing *tracing, struct proto_problem *pro
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
-    server_draft_begin(&tracing->draft, query);
     return proto_trace_decode(document, &tracing->wanted, problem) &&
            proto_point_locate(query->surface->mesh, &tracing->wanted.start, &tracing->start, &tracing->snap, problem) &&
            locate_directions(tracing, problem);
@@ -61,10 +55,7 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
 /* While a path grows it is there twice. */
 static enum gd_status reserve(struct tracing *tracing)
 {
-    size_t bytes = 2 * (size_t)tracing->wanted.options.step_limit * sizeof(struct gd_point);
-    if (!server_budget_take(&tracing->query.exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) return GD_BUDGET;
-    tracing->held = bytes;
-    return GD_OK;
+    return server_query_take(&tracing->query, 2 * (size_t)tracing->wanted.options.step_limit * sizeof(struct gd_point));
 }
 
 static enum gd_status write_path(struct tracing *tracing, uint32_t i)
@@ -77,15 +68,15 @@ static enum gd_status write_path(struct tracing *tracing, uint32_t i)
     enum gd_status status = gd_trace_follow(mesh, &tracing->start, &tracing->directions[i], wanted->length,
                                             &wanted->options, &control, &trace, NULL);
     if (status) return status;
-    proto_trace_encode(&tracing->draft.writer, mesh, &trace, tracing->query.options.geometry);
+    proto_trace_encode(&tracing->query.draft, mesh, &trace, tracing->query.options.geometry);
     gd_trace_free(&trace);
-    status = server_draft_hold(&tracing->draft);
+    status = server_query_hold_draft(&tracing->query);
     return status ? status : gd_control_check(&control, 1);
 }
 
 static enum gd_status write_paths(struct tracing *tracing)
 {
-    struct proto_writer *writer = &tracing->draft.writer;
+    struct proto_writer *writer = &tracing->query.draft;
     enum gd_status status = reserve(tracing);
     proto_write_key(writer, "paths");
     proto_write_array_begin(writer);
@@ -97,7 +88,7 @@ static enum gd_status write_paths(struct tracing *tracing)
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
     struct tracing *tracing = (struct tracing *)query;
-    struct proto_writer *writer = &tracing->draft.writer;
+    struct proto_writer *writer = &tracing->query.draft;
     enum gd_status status = GD_OK;
     proto_write_object_begin(writer);
     if (query->options.fields & PROTO_TRACE_FIELD_START) {
@@ -106,13 +97,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     }
     if (query->options.fields & PROTO_TRACE_FIELD_PATHS) status = write_paths(tracing);
     proto_write_object_end(writer);
-    if (status) return server_query_fail(query, status, WHAT, problem);
-    return proto_writer_check(writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
-}
-
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct tracing *)query)->draft, writer);
+    return server_query_end_draft(query, status, WHAT, problem);
 }
 
 static const struct server_query_kind trace_kind = {.name = "trace",
@@ -120,7 +105,6 @@ static const struct server_query_kind trace_kind = {.name = "trace",
                                                     .fields = proto_trace_fields,
                                                     .decode = decode,
                                                     .solve = solve,
-                                                    .encode = encode,
                                                     .release = release};
 
 void server_handle_trace(struct server_exchange *exchange)

@@ -180,7 +180,6 @@ struct telling {
     const struct origin *origin;
     const struct head *head;
     uint32_t count;
-    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, for the answer */
 };
 
 static bool parse(struct server_query *query, const struct origin *origin, struct proto_problem *problem)
@@ -211,12 +210,10 @@ static bool parse_places(struct server_query *query, const struct proto_paramete
 
 static enum server_query_turn solve(struct server_query *query, struct proto_problem *problem)
 {
-    struct telling *telling = (struct telling *)query;
+    const struct telling *telling = (const struct telling *)query;
     size_t bytes = telling->count * (size_t)telling->origin->numbers * BYTES_A_NUMBER;
-    if (!server_budget_take(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes))
-        return server_query_fail(query, GD_BUDGET, "the answer", problem);
-    telling->held = bytes;
-    return SERVER_QUERY_DONE;
+    enum gd_status status = server_query_take(query, bytes);
+    return status ? server_query_fail(query, status, "the answer", problem) : SERVER_QUERY_DONE;
 }
 
 static void encode_parameters(const struct server_query *query, struct proto_writer *writer)
@@ -267,13 +264,7 @@ static unsigned set_headers(struct server_query *query)
     return 200;
 }
 
-static void release(struct server_query *query)
-{
-    server_budget_give(&query->exchange->server->budget, SERVER_BUDGET_FLIGHT, ((struct telling *)query)->held);
-}
-
-#define TELLING_STEPS                                                                                                  \
-    .size = sizeof(struct telling), .solve = solve, .bytes = as_bytes, .release = release, .status = set_headers
+#define TELLING_STEPS .size = sizeof(struct telling), .solve = solve, .bytes = as_bytes, .status = set_headers
 
 static const struct server_query_kind parameters_kind = {.name = "parameters",
                                                          .fields = proto_vertex_parameters_fields,

@@ -6,8 +6,6 @@
 #include "proto/isoline.h"
 #include "proto/path.h"
 #include "proto/voronoi.h"
-#include "server/call.h"
-#include "server/handlers/draft.h"
 #include "server/handlers/field_query.h"
 #include "server/server.h"
 
@@ -21,7 +19,6 @@
 struct voronoi {
     struct server_field_query field; /* first */
     double tolerance;
-    struct server_draft draft;
 };
 
 static const struct gd_mesh *mesh_of(const struct voronoi *voronoi)
@@ -31,7 +28,7 @@ static const struct gd_mesh *mesh_of(const struct voronoi *voronoi)
 
 static enum gd_status pause_at(struct voronoi *voronoi, const struct gd_control *control, double fraction)
 {
-    enum gd_status status = server_draft_hold(&voronoi->draft);
+    enum gd_status status = server_query_hold_draft(&voronoi->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 
@@ -42,25 +39,25 @@ static enum gd_status write_labels(struct voronoi *voronoi, const struct gd_fiel
 {
     uint32_t count = gd_mesh_summary(mesh_of(voronoi))->index_count;
     enum gd_status status = gd_voronoi_labels(field, voronoi->field.set->members, labels);
-    proto_voronoi_labels_begin(&voronoi->draft.writer);
+    proto_voronoi_labels_begin(&voronoi->field.query.draft);
     for (uint32_t i = 0; i < count && !status; i++) {
-        proto_voronoi_label(&voronoi->draft.writer, labels[i]);
+        proto_voronoi_label(&voronoi->field.query.draft, labels[i]);
         if ((i + 1) % PORTION == 0) status = pause_at(voronoi, control, (double)i / count);
     }
-    proto_voronoi_list_end(&voronoi->draft.writer);
+    proto_voronoi_list_end(&voronoi->field.query.draft);
     return status;
 }
 
 static enum gd_status tell_labels(struct voronoi *voronoi, const struct gd_field *field, struct server_monitor *part)
 {
-    struct server_budget *budget = &voronoi->field.query.exchange->server->budget;
     const struct gd_control control = server_exchange_control(part);
     size_t bytes = gd_mesh_summary(mesh_of(voronoi))->index_count * sizeof(uint32_t);
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, 2 * bytes)) return GD_BUDGET; /* and while they are found */
+    enum gd_status status = server_query_take(&voronoi->field.query, 2 * bytes); /* and while they are found */
+    if (status) return status;
     uint32_t *labels = malloc(bytes);
-    enum gd_status status = labels ? write_labels(voronoi, field, labels, &control) : GD_NO_MEMORY;
+    status = labels ? write_labels(voronoi, field, labels, &control) : GD_NO_MEMORY;
     free(labels);
-    server_budget_give(budget, SERVER_BUDGET_FLIGHT, 2 * bytes);
+    server_query_give(&voronoi->field.query, 2 * bytes);
     return status;
 }
 
@@ -81,23 +78,19 @@ static enum gd_status trace(void *user, const struct gd_control *control, size_t
     return status;
 }
 
-static enum gd_status trace_bisectors(const struct voronoi *voronoi, const struct gd_field *field,
+static enum gd_status trace_bisectors(struct voronoi *voronoi, const struct gd_field *field,
                                       struct server_monitor *part, struct gd_voronoi *out)
 {
     struct tracing wanted = {field, voronoi->field.set->members, voronoi->tolerance, out};
-    const struct server_call call = {.make = trace,
-                                     .user = &wanted,
-                                     .control = server_exchange_control(part),
-                                     .grant = BYTES_A_TRACE +
-                                              gd_mesh_summary(mesh_of(voronoi))->edges * (size_t)BYTES_AN_EDGE};
-    return server_call_make(voronoi->field.query.exchange->server, &call);
+    size_t grant = BYTES_A_TRACE + gd_mesh_summary(mesh_of(voronoi))->edges * (size_t)BYTES_AN_EDGE;
+    return server_query_call(&voronoi->field.query, part, trace, &wanted, grant);
 }
 
 static enum gd_status write_bisector(struct voronoi *voronoi, const struct gd_bisector *bisector,
                                      const struct gd_control *control, double fraction)
 {
     enum proto_geometry geometry = voronoi->field.query.options.geometry;
-    struct proto_writer *writer = &voronoi->draft.writer;
+    struct proto_writer *writer = &voronoi->field.query.draft;
     enum gd_status status = GD_OK;
     proto_bisector_begin(writer, bisector);
     if (geometry != PROTO_GEOMETRY_NONE) {
@@ -117,10 +110,10 @@ static enum gd_status write_bisectors(struct voronoi *voronoi, const struct gd_v
 {
     const struct gd_control control = server_exchange_control(part);
     enum gd_status status = GD_OK;
-    proto_voronoi_bisectors_begin(&voronoi->draft.writer);
+    proto_voronoi_bisectors_begin(&voronoi->field.query.draft);
     for (uint32_t i = 0; i < found->bisector_count && !status; i++)
         status = write_bisector(voronoi, &found->bisectors[i], &control, (double)i / found->bisector_count);
-    proto_voronoi_list_end(&voronoi->draft.writer);
+    proto_voronoi_list_end(&voronoi->field.query.draft);
     return status;
 }
 
@@ -150,7 +143,7 @@ static bool tell_bisectors(struct voronoi *voronoi, const struct gd_field *field
     bool ok = admit(voronoi, &found, problem);
     if (ok) status = write_bisectors(voronoi, &found, &second);
     if (status) server_query_fail(&voronoi->field.query, status, WHAT, problem);
-    server_budget_give(&voronoi->field.query.exchange->server->budget, SERVER_BUDGET_FLIGHT, found.bytes);
+    server_query_give(&voronoi->field.query, found.bytes);
     gd_voronoi_free(&found);
     return ok && !status;
 }
@@ -165,14 +158,13 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     struct server_monitor first = server_monitor_portion(part, 0, LABELS_SHARE),
                           second = server_monitor_portion(part, LABELS_SHARE, 1 - LABELS_SHARE);
     enum gd_status status = GD_OK;
-    server_draft_begin(&voronoi->draft, &query->query);
-    proto_voronoi_begin(&voronoi->draft.writer);
+    proto_voronoi_begin(&voronoi->field.query.draft);
     if (fields & PROTO_VORONOI_FIELD_LABELS) status = tell_labels(voronoi, field, &first);
     if (status) return server_query_fail(&query->query, status, WHAT, problem);
     if (fields & PROTO_VORONOI_FIELD_BISECTORS && !tell_bisectors(voronoi, field, &second, problem))
         return SERVER_QUERY_FAILED;
-    proto_voronoi_end(&voronoi->draft.writer);
-    return proto_writer_check(&voronoi->draft.writer, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
+    proto_voronoi_end(&voronoi->field.query.draft);
+    return server_query_end_draft(&query->query, GD_OK, WHAT, problem);
 }
 
 static bool decode(struct server_query *query, const json_t *document, struct proto_problem *problem)
@@ -188,17 +180,6 @@ static bool decode(struct server_query *query, const json_t *document, struct pr
     return ok;
 }
 
-static void encode(const struct server_query *query, struct proto_writer *writer)
-{
-    server_draft_encode(&((const struct voronoi *)query)->draft, writer);
-}
-
-static void release(struct server_query *query)
-{
-    server_draft_end(&((struct voronoi *)query)->draft);
-    server_field_query_release(query);
-}
-
 static const struct server_query_kind voronoi_kind = {.name = "voronoi",
                                                       .size = sizeof(struct voronoi),
                                                       .fields = proto_voronoi_fields,
@@ -206,8 +187,7 @@ static const struct server_query_kind voronoi_kind = {.name = "voronoi",
                                                       .glance = server_field_query_glance,
                                                       .join = server_field_query_join,
                                                       .solve = server_field_query_solve,
-                                                      .encode = encode,
-                                                      .release = release};
+                                                      .release = server_field_query_release};
 
 void server_handle_voronoi(struct server_exchange *exchange)
 {
