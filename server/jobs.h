@@ -1,32 +1,25 @@
-/* Jobs: operations that were accepted to be answered later (202), and their answers. What workers run is smaller: job.h.
+/* Jobs: the table of operations that were accepted to be answered later (202); async.h is one of them. What workers run is
+ * smaller: job.h.
  *
  *     job = server_jobs_start(jobs, exchange, &problem);     the request of the exchange becomes a job
- *     ... server_async_look(job, &told);                     how it is getting on
+ *     ... server_jobs_look(job);                             how it is getting on
  *     server_async_release(job);
  *
- * DESIGN. A job is a transport (exchange.h): it carries an exchange of its own, made from the one that asked for it, through the
- * router's dispatch, the handler and the workers, as a connection would, and keeps what it is answered with. So handlers
- * know nothing of jobs, and a job parks on the same flights and loads as everybody else.
- *
- * States: queued -> running -> done | failed, and cancelled from the first two. Cancelled is what the client sees at once;
+ * DESIGN. States: queued -> running -> done | failed, and cancelled from the first two. Cancelled is what the client sees at once;
  * the exchange, which nobody wants any more, is refused where it waits (job.h) or stopped by its control, and its answer is dropped.
  *
  * Bounds: ended jobs are dropped after a time, and before it, those that were made first, when there are too many or their
- * answers have too many bytes (SERVER_BUDGET_JOBS). Jobs that have not ended are never dropped.
- *
- * Ownership: a job is counted, once for the table, once for its exchange, once for each that looks at it. Ids grow, so the table is
- * in the order of both id and age.
+ * answers have too many bytes (SERVER_BUDGET_JOBS). Jobs that have not ended are never dropped. Ids grow, so the table is in the
+ * order of both id and age.
  *
  * One mutex guards the table and states; under it nothing calls out, but the budget gets bytes back. All functions are
  * thread-safe. */
 #ifndef SERVER_JOBS_H
 #define SERVER_JOBS_H
 
-#include "proto/job.h"
-#include "server/exchange.h"
+#include "server/async.h"
 
 struct server_jobs;
-struct server_async; /* one job */
 
 /* `server` is borrowed. NULL without memory. */
 struct server_jobs *server_jobs_create(struct server *server);
@@ -67,10 +60,22 @@ struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs); 
 
 /* --- one job ------------------------------------------------------------------------------------------------------ */
 
-struct server_async *server_async_retain(struct server_async *job);
-void server_async_release(struct server_async *job); /* NULL is harmless */
-
 /* How it is getting on. What the pointers point to lives as long as the caller's reference. */
-struct proto_job server_async_look(struct server_async *job);
+struct proto_job server_jobs_look(struct server_async *job);
+
+/* --- for a job on its way (async.c) ------------------------------------------------------------------------------- */
+
+/* Queued, it is running from now on. */
+void server_jobs_begin(struct server_async *job);
+
+/* It is answered: done or failed, by what it has kept, unless it was cancelled. Its state. */
+enum proto_job_state server_jobs_end(struct server_async *job);
+
+/* Wakes those who follow its events. */
+void server_jobs_tell(struct server_async *job);
+
+/* Makes room for an answer of so many bytes, if need be by dropping jobs that have ended. */
+bool server_jobs_reserve(struct server_jobs *jobs, size_t bytes);
+void server_jobs_give(struct server_jobs *jobs, size_t bytes); /* takes no lock */
 
 #endif

@@ -76,7 +76,7 @@ void server_handle_get_job(struct server_exchange *exchange)
     if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
     struct server_async *job = find_job(exchange);
     if (!job) return;
-    struct proto_job told = server_async_look(job);
+    struct proto_job told = server_jobs_look(job);
     reply_told(exchange, 200, &told);
     server_async_release(job);
 }
@@ -86,7 +86,7 @@ void server_handle_get_job_result(struct server_exchange *exchange)
     if (!server_request_is_plain(exchange)) return;
     struct server_async *job = find_job(exchange);
     if (!job) return;
-    struct proto_job told = server_async_look(job);
+    struct proto_job told = server_jobs_look(job);
     if (told.answer)
         reply_answer(exchange, told.answer);
     else
@@ -102,10 +102,10 @@ static void write_page(struct proto_writer *writer, struct server_async *const *
     uint32_t written = count < limit ? count : limit;
     proto_page_begin(writer, "jobs");
     for (uint32_t i = 0; i < written; i++) {
-        struct proto_job told = server_async_look(jobs[i]);
+        struct proto_job told = server_jobs_look(jobs[i]);
         proto_job_encode(writer, &told, PROTO_JOB_BRIEF);
     }
-    proto_page_end(writer, count > limit ? server_async_look(jobs[limit - 1]).id : NULL);
+    proto_page_end(writer, count > limit ? server_jobs_look(jobs[limit - 1]).id : NULL);
 }
 
 void server_handle_list_jobs(struct server_exchange *exchange)
@@ -138,7 +138,7 @@ static bool was_refused(const struct proto_job *told)
 
 static void reply_started(struct server_exchange *exchange, struct server_async *job)
 {
-    struct proto_job told = server_async_look(job);
+    struct proto_job told = server_jobs_look(job);
     if (was_refused(&told)) {
         reply_answer(exchange, told.answer);
         server_jobs_cancel(exchange->server->jobs, job);
@@ -175,13 +175,13 @@ void server_handle_delete_job(struct server_exchange *exchange)
 /* State and progress in one number. */
 static uint64_t event_version(void *user)
 {
-    struct proto_job told = server_async_look(user);
+    struct proto_job told = server_jobs_look(user);
     return (uint64_t)told.state << 32 | (uint64_t)(told.progress * UINT32_MAX);
 }
 
 static bool tell_event(void *user, struct proto_writer *writer)
 {
-    struct proto_job told = server_async_look(user);
+    struct proto_job told = server_jobs_look(user);
     proto_job_encode_event(writer, &told);
     return !proto_job_has_ended(told.state);
 }

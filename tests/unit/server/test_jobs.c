@@ -198,7 +198,7 @@ static struct server_async *start(void (*handle)(struct server_exchange *exchang
 
 static enum proto_job_state state_of(struct server_async *job)
 {
-    return server_async_look(job).state;
+    return server_jobs_look(job).state;
 }
 
 static void wait_for(struct server_async *job, enum proto_job_state state)
@@ -225,7 +225,7 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
 {
     (void)state;
     struct server_async *job = start(answer);
-    struct proto_job told = server_async_look(job);
+    struct proto_job told = server_jobs_look(job);
     assert_int_equal(told.state, PROTO_JOB_DONE);
     assert_true(told.progress == 1);
     assert_string_equal(told.request, "POST /v1/meshes/cow/x");
@@ -237,7 +237,7 @@ static void an_answer_is_kept_until_it_is_removed(void **state)
     assert_true(is_there(told.id));
     server_jobs_cancel(server.jobs, job);
     assert_false(is_there(told.id));
-    assert_int_equal(server_async_look(job).answer->size, 100); /* as long as somebody looks at it */
+    assert_int_equal(server_jobs_look(job).answer->size, 100); /* as long as somebody looks at it */
     assert_int_equal(counted(), 100);
     server_async_release(job);
     assert_int_equal(counted(), 0);
@@ -247,7 +247,7 @@ static void a_problem_is_a_failure(void **state)
 {
     (void)state;
     struct server_async *job = start(answer_badly);
-    struct proto_job told = server_async_look(job);
+    struct proto_job told = server_jobs_look(job);
     assert_int_equal(told.state, PROTO_JOB_FAILED);
     assert_int_equal(told.answer->status, 404);
     assert_string_equal(told.answer->media_type, "application/problem+json");
@@ -266,7 +266,7 @@ static void the_request_comes_whole(void **state)
     assert_true(server_body_prepare(&exchange->body, &server.budget, 4, 10, &problem));
     server_body_append(&exchange->body, &server.budget, "body", 4);
     struct server_async *job = server_jobs_start(server.jobs, exchange, &problem);
-    assert_int_equal(server_async_look(job).answer->status, 204);
+    assert_int_equal(server_jobs_look(job).answer->status, 204);
     assert_int_equal(exchange->body.size, 0);
     server_exchange_destroy(exchange);
     server_async_release(job);
@@ -280,7 +280,7 @@ static void states_follow_the_workers(void **state)
     struct server_async *second = start(wait_in_a_worker);
     assert_int_equal(state_of(first), PROTO_JOB_RUNNING);
     assert_int_equal(state_of(second), PROTO_JOB_QUEUED);
-    assert_null(server_async_look(first).answer);
+    assert_null(server_jobs_look(first).answer);
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     wait_for(second, PROTO_JOB_RUNNING);
@@ -300,7 +300,7 @@ static void progress_never_falls(void **state)
     struct server_async *job = start(report);
     for (size_t i = 0; i < COUNT(expected); i++) {
         sem_wait(&begun);
-        assert_true(server_async_look(job).progress == expected[i]);
+        assert_true(server_jobs_look(job).progress == expected[i]);
         sem_post(&hold);
     }
     wait_for(job, PROTO_JOB_DONE);
@@ -316,10 +316,10 @@ static void what_waits_is_cancelled_without_a_worker(void **state)
     server_jobs_cancel(server.jobs, second);
     assert_int_equal(state_of(second), PROTO_JOB_CANCELLED);
     for (int i = 0; i < 5000 && atomic_load(&server.deferred) > 1; i++) usleep(1000);
-    assert_int_equal(atomic_load(&server.deferred), 1);  /* its exchange is gone, */
-    assert_true(is_there(server_async_look(second).id)); /* not so the job, */
+    assert_int_equal(atomic_load(&server.deferred), 1); /* its exchange is gone, */
+    assert_true(is_there(server_jobs_look(second).id)); /* not so the job, */
     server_jobs_cancel(server.jobs, second);
-    assert_false(is_there(server_async_look(second).id)); /* until it is removed */
+    assert_false(is_there(server_jobs_look(second).id)); /* until it is removed */
     sem_post(&hold);
     wait_for(first, PROTO_JOB_DONE);
     assert_int_equal(works, 1);
@@ -337,7 +337,7 @@ static void what_runs_is_stopped_and_its_answer_dropped(void **state)
     for (int i = 0; i < 5000 && atomic_load(&server.deferred); i++) usleep(1000);
     assert_int_equal(atomic_load(&server.deferred), 0);
     assert_int_equal(state_of(job), PROTO_JOB_CANCELLED);
-    assert_null(server_async_look(job).answer);
+    assert_null(server_jobs_look(job).answer);
     assert_int_equal(counted(), 0);
     server_async_release(job);
 }
@@ -348,10 +348,10 @@ static void ended_jobs_are_dropped_in_time(void **state)
     struct server_async *running = start(wait_in_a_worker), *ended = start(answer);
     sem_wait(&begun);
     server_jobs_sweep(server.jobs, gd_now_ns() + 59 * SECOND);
-    assert_true(is_there(server_async_look(ended).id));
+    assert_true(is_there(server_jobs_look(ended).id));
     server_jobs_sweep(server.jobs, gd_now_ns() + 61 * SECOND);
-    assert_false(is_there(server_async_look(ended).id));
-    assert_true(is_there(server_async_look(running).id));
+    assert_false(is_there(server_jobs_look(ended).id));
+    assert_true(is_there(server_jobs_look(running).id));
     sem_post(&hold);
     server_async_release(running);
     server_async_release(ended);
@@ -361,7 +361,7 @@ static void an_expired_job_is_not_found(void **state)
 {
     (void)state;
     struct server_async *job = start(answer), *listed[4];
-    assert_false(is_there(server_async_look(job).id));
+    assert_false(is_there(server_jobs_look(job).id));
     assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
     server_async_release(job);
 }
@@ -372,9 +372,9 @@ static void the_oldest_make_way(void **state)
     struct server_async *running = start(wait_in_a_worker), *ended[4];
     sem_wait(&begun);
     for (int i = 0; i < 4; i++) ended[i] = start(answer);
-    assert_true(is_there(server_async_look(running).id));
-    assert_false(is_there(server_async_look(ended[0]).id));
-    for (int i = 1; i < 4; i++) assert_true(is_there(server_async_look(ended[i]).id));
+    assert_true(is_there(server_jobs_look(running).id));
+    assert_false(is_there(server_jobs_look(ended[0]).id));
+    for (int i = 1; i < 4; i++) assert_true(is_there(server_jobs_look(ended[i]).id));
     for (int i = 0; i < 4; i++) server_async_release(ended[i]);
     sem_post(&hold);
     server_async_release(running);
@@ -409,7 +409,7 @@ static void answers_have_a_share_of_the_budget(void **state)
     }
     answer_size = 2 << 20;
     jobs[2] = start(answer);
-    assert_int_equal(server_async_look(jobs[2]).answer->status, 507);
+    assert_int_equal(server_jobs_look(jobs[2]).answer->status, 507);
     server_async_release(jobs[2]);
 }
 
@@ -418,13 +418,12 @@ static void are_listed_by_age(void **state)
     (void)state;
     struct server_async *jobs[4], *listed[4];
     for (int i = 0; i < 4; i++) jobs[i] = start(answer);
-    for (int i = 0; i < 3; i++)
-        assert_true(strcmp(server_async_look(jobs[i]).id, server_async_look(jobs[i + 1]).id) < 0);
+    for (int i = 0; i < 3; i++) assert_true(strcmp(server_jobs_look(jobs[i]).id, server_jobs_look(jobs[i + 1]).id) < 0);
     assert_int_equal(server_jobs_list(server.jobs, "", NULL, 3, listed), 3);
     for (int i = 0; i < 3; i++) assert_ptr_equal(listed[i], jobs[i]);
     for (int i = 0; i < 3; i++) server_async_release(listed[i]);
     server_jobs_cancel(server.jobs, jobs[1]); /* a page may begin behind one that is gone */
-    assert_int_equal(server_jobs_list(server.jobs, "", server_async_look(jobs[1]).id, 4, listed), 2);
+    assert_int_equal(server_jobs_list(server.jobs, "", server_jobs_look(jobs[1]).id, 4, listed), 2);
     assert_ptr_equal(listed[0], jobs[2]);
     assert_ptr_equal(listed[1], jobs[3]);
     for (int i = 0; i < 2; i++) server_async_release(listed[i]);
@@ -438,9 +437,9 @@ static void are_known_to_their_tenant_only(void **state)
     struct server_async *listed[4];
     tenant = "a";
     struct server_async *job = start(answer);
-    assert_true(is_there(server_async_look(job).id));
+    assert_true(is_there(server_jobs_look(job).id));
     tenant = "";
-    assert_false(is_there(server_async_look(job).id));
+    assert_false(is_there(server_jobs_look(job).id));
     assert_int_equal(server_jobs_list(server.jobs, "", NULL, 4, listed), 0);
     assert_int_equal(server_jobs_list(server.jobs, "b", NULL, 4, listed), 0);
     assert_int_equal(server_jobs_list(server.jobs, "a", NULL, 4, listed), 1);
@@ -466,8 +465,8 @@ static void a_drain_refuses_what_waits(void **state)
     struct server_async *queued = start(wait_in_a_worker);
     server_jobs_drain(server.jobs);
     wait_for(queued, PROTO_JOB_FAILED);
-    assert_int_equal(server_async_look(queued).answer->status, 503);
-    assert_non_null(strstr(server_async_look(queued).answer->body, "draining"));
+    assert_int_equal(server_jobs_look(queued).answer->status, 503);
+    assert_non_null(strstr(server_jobs_look(queued).answer->body, "draining"));
     assert_int_equal(state_of(running), PROTO_JOB_RUNNING);
     assert_null(start_or_refuse(answer, &problem));
     assert_int_equal(problem.code, PROTO_PROBLEM_DRAINING);
