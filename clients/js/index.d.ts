@@ -44,7 +44,7 @@ export interface CallOptions {
   headers?: Record<string, string>;
   onProgress?: OnProgress;
   signal?: AbortSignal;
-  /** false: it makes something new each time, as POST /v1/batches does, so it is not sent again when its connection fails */
+  /** false: it makes something new each time, as createBatch does, so it is not sent again when its connection fails */
   repeatable?: boolean;
 }
 
@@ -146,6 +146,17 @@ export class Client {
   submit(method: string, path: string, options?: Omit<CallOptions, "onProgress">): Promise<Job>;
   /** The daemon's version, limits and capabilities. */
   service(): Promise<types.Service>;
+  /**
+   * Begins work of many sources, which outlives this client and the daemon. It is not sent again when its connection fails: after ConnectionFailed it may have
+   * begun all the same, which GET /v1/batches tells.
+   */
+  createBatch(request: types.BatchRequest): Promise<types.Batch>;
+  /** How far it is. */
+  batch(id: string): Promise<types.Batch>;
+  /** The items that have an answer by now, in their order. */
+  batchResults(id: string): AsyncGenerator<types.BatchResults["results"][number]>;
+  /** Cancels it; removes one that has ended. */
+  deleteBatch(id: string): Promise<void>;
   meshes(): AsyncGenerator<types.Mesh>;
   /** The mesh of that name; nothing is asked yet. */
   mesh(name: string): Mesh;

@@ -344,6 +344,22 @@ export class Client {
     }
   }
 
+  async createBatch(request) {
+    return (await this.call("POST", "/v1/batches", { body: request, repeatable: false })).json();
+  }
+
+  async batch(id) {
+    return (await this.call("GET", `/v1/batches/${id}`)).json();
+  }
+
+  batchResults(id) {
+    return this.pages(`/v1/batches/${id}/results`, "results");
+  }
+
+  async deleteBatch(id) {
+    await this.call("DELETE", `/v1/batches/${id}`);
+  }
+
   meshes() {
     return this.pages("/v1/meshes", "meshes");
   }

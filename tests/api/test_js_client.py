@@ -92,12 +92,32 @@ class JavaScriptClient(TestCase):
             await assert.rejects((await job.wait()).response(), geodesicd.JobCancelled);
         """)
 
+    def test_batches(self):
+        self.daemon.put("square", SQUARE)
+        self.run_script("""
+            const ended = async (batch) => {
+              for (const until = Date.now() + 30000; batch.state === "running" && Date.now() < until; batch = await client.batch(batch.id))
+                await new Promise((resume) => setTimeout(resume, 20));
+              return batch;
+            };
+            const pairs = await ended(await client.createBatch({ query: "all-pairs", mesh: "square", vertices: [0, 1] })), rows = [];
+            assert.deepEqual([pairs.state, pairs.items, pairs.done, pairs.failed], ["done", 2, 2, 0]);
+            for await (const { vertex, answer } of client.batchResults(pairs.id)) rows.push([vertex, answer.distances[0]]);
+            assert.deepEqual(rows, [[0, [0, 1]], [1, [1, 0]]]);
+            await client.deleteBatch(pairs.id);
+            await assert.rejects(client.batch(pairs.id), { status: 404, code: "not_found" });
+            const many = await ended(await client.createBatch({ query: "fields", meshes: Array(150).fill("nobody"), set: { points: [{ vertex: 0 }] } })), items = [];
+            for await (const { item, problem } of client.batchResults(many.id)) items.push(problem.code === "not_found" ? item : problem);
+            assert.deepEqual(items, Array.from({ length: 150 }, (_, item) => item)); // of more than one page
+            await client.deleteBatch(many.id);
+        """)
+
     def test_patience(self):
         with scenario.busy((503, {"Retry-After": "0"}, {}), (429, {}, {}), (0, {}, {})) as (server, url):
             self.run_script('assert.deepEqual(await client.service(), { version: "1" });', url)
             self.assertEqual(len(server.seen), 4)
         with scenario.busy((429, {"Retry-After": "0"}, {}), (0, {}, {})) as (server, url):
-            self.run_script('await assert.rejects(client.call("POST", "/v1/batches", { body: {}, repeatable: false }), geodesicd.ConnectionFailed);', url)
+            self.run_script('await assert.rejects(client.createBatch({}), geodesicd.ConnectionFailed);', url)
             self.assertEqual(len(server.seen), 2)
         with scenario.busy(*[(503, {"Retry-After": "0"}, {"code": "overloaded"})] * 9) as (server, url):
             self.run_script('await assert.rejects(client.service(), { status: 503, code: "overloaded" });', url)
