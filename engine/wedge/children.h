@@ -34,19 +34,23 @@ struct gd__children {
 GD_MUST_USE enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool *pool, uint32_t count,
                                              uint32_t kept);
 
-/* The same; what was in it is lost. */
-GD_MUST_USE static inline enum gd_status gd__children_reserve(struct gd__children *children, struct gd__pool *pool,
-                                                              uint32_t count)
+/* The same of children without a block. */
+GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *children, struct gd__pool *pool,
+                                                           uint32_t count)
 {
-    uint32_t groups = (count + 2 * GD__WINDOWS_GROUP - 1) / GD__WINDOWS_GROUP;
-    if (children->block && groups <= gd__pool_items(children->size_class)) return GD_OK;
-    if (children->block) gd__pool_release(pool, children->block, children->size_class);
-    uint32_t size_class = gd__pool_class(groups);
+    uint32_t groups = (count + 2 * GD__WINDOWS_GROUP - 1) / GD__WINDOWS_GROUP, size_class = gd__pool_class(groups);
     children->block = gd__pool_take(pool, size_class);
     if (!children->block) return pool->status;
     children->size_class = (uint8_t)size_class;
     children->at = gd__windows_at(children->block, GD__WINDOWS_GROUP * gd__pool_items(size_class));
     return GD_OK;
+}
+
+/* Gives the block back. */
+static inline void gd__children_close(struct gd__children *children, struct gd__pool *pool)
+{
+    gd__pool_release(pool, children->block, children->size_class);
+    children->block = NULL;
 }
 
 /* Sorts out a list that was built as it came: the windows from `tangled` on are pushed behind the others in turn. GD_NO_MEMORY, GD_BUDGET. O(n) but

@@ -66,7 +66,7 @@ static uint32_t put_fresh(const struct gd__wavefront *front, const struct gd__wi
 static void receive_list(struct gd__wavefront *front, uint32_t side, const struct gd__window *windows, uint32_t count)
 {
     struct gd__children *children = &front->work->left;
-    front->status = gd__children_reserve(children, &front->work->pool, count);
+    front->status = gd__children_open(children, &front->work->pool, count);
     if (front->status) return;
     children->count = put_fresh(front, windows, count);
     uint32_t origin = front->mesh->origin[side], destination = front->mesh->origin[side ^ 1];
@@ -160,7 +160,7 @@ static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__
     own->used += from->used;
     for (uint32_t edge = 0; edge < front->mesh->edge_count; edge++) {
         if (other->newest[edge] == GD_NONE) continue;
-        if (front->newest[edge] == GD_NONE) gd__workspace_touch(front->work, 2 * edge);
+        if (front->newest[edge] == GD_NONE) gd__workspace_touch(front->work, 2 * edge, true);
         for (uint32_t at = other->newest[edge], previous; at != GD_NONE; at = previous) {
             previous = ((const struct gd__chunk *)(from->base + (size_t)at * GD__CHUNK_UNIT))->previous;
             link_chunk(front, edge, at + shift);
@@ -173,7 +173,7 @@ static void take_vertices(struct gd__wavefront *front, const struct gd__wavefron
 {
     for (uint32_t v = 0; v < front->mesh->vertex_count; v++) {
         if (other->distance[v] >= front->distance[v]) continue;
-        if (front->distance[v] >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + v);
+        if (front->distance[v] >= GD__FAR) gd__workspace_touch(front->work, 2 * front->work->edges + v, true);
         front->distance[v] = other->distance[v];
         front->birth[v] = other->birth[v];
     }

@@ -5,7 +5,7 @@
 
 void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
 {
-    if (!front->status) front->status = gd__children_reserve(&front->work->left, &front->work->pool, 1);
+    if (!front->status) front->status = gd__children_open(&front->work->left, &front->work->pool, 1);
     if (front->status) return;
     gd__windows_put(&front->work->left.at, 0, window);
     front->work->left.count = 1;

@@ -49,7 +49,8 @@ static inline mask mask_of(uint32_t set)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    return mask_of(count >= 4 ? 15 : (1u << count) - 1);
+    const __m256i place = _mm256_set_epi64x(3, 2, 1, 0); /* compared: a choice would be a branch as good as random */
+    return _mm256_castsi256_pd(_mm256_cmpgt_epi64(_mm256_set1_epi64x(count), place));
 }
 static inline void store_first(double *p, lanes a, uint32_t count)
 {

@@ -28,7 +28,9 @@ static inline void store(double *p, lanes a)
 }
 static inline mask first_lanes(uint32_t count)
 {
-    return count >= 8 ? 0xff : (mask)((1u << count) - 1);
+    const __m256i place =
+        _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0); /* compared: a choice would be a branch as good as random */
+    return _mm256_cmpgt_epu32_mask(_mm256_set1_epi32((int)count), place);
 }
 static inline void store_first(double *p, lanes a, uint32_t count)
 {

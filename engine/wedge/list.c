@@ -224,8 +224,8 @@ static enum gd_status merge(struct gd__list *list, struct gd__pool *pool, const 
     return splice(list, pool, &in, &scratch->tail);
 }
 
-enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, double min_width,
-                            struct gd__scratch *scratch)
+static enum gd_status add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, double min_width,
+                          struct gd__scratch *scratch)
 {
     struct gd__windows view = newer->at;
     uint32_t count = newer->count;
@@ -235,4 +235,12 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct
     if (!count) return GD_OK;
     if (is_before) return prepend(list, pool, newer, count, min_width, !scratch->apart);
     return append(list, pool, view, count, min_width, !scratch->apart);
+}
+
+enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer, double min_width,
+                            struct gd__scratch *scratch)
+{
+    enum gd_status status = add(list, pool, newer, min_width, scratch);
+    gd__children_close(newer, pool);
+    return status;
 }

@@ -24,12 +24,12 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
     return gd__windows_at(list->block, gd__list_capacity(list));
 }
 
-/* Puts sorted windows, at least one, into a list that is not empty; their block may become the list's, and the list's theirs. Ties stay with what is
- * there. GD_NO_MEMORY, GD_BUDGET. Contests only what overlaps. */
+/* Puts sorted windows, at least one, into a list that is not empty. Their block is used up: it becomes the list's or goes back to the pool. Ties stay with
+ * what is there. GD_NO_MEMORY, GD_BUDGET. Contests only what overlaps. */
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                                         double min_width, struct gd__scratch *scratch);
 
-/* The same of any list: an empty one takes the block of the windows, which are used up. */
+/* The same of any list: an empty one takes the block of the windows. */
 GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool,
                                                          struct gd__children *newer, double min_width,
                                                          struct gd__scratch *scratch)

@@ -13,6 +13,15 @@ static inline __attribute__((always_inline)) void prefetch_ahead(const char *end
     for (int i = 0; i < LINES_AHEAD; i++) __builtin_prefetch(end + (ptrdiff_t)LINE * (LINES_BEFORE + i), 1);
 }
 
+/* What is cast will arrive there. */
+static inline __attribute__((always_inline)) void prefetch_receivers(const struct gd__wavefront *front, uint32_t side)
+{
+    const struct gd_side *s = &front->mesh->side[side];
+    if (front->near || s->left == GD_NONE) return;
+    __builtin_prefetch(&front->lists[s->left], 1);
+    __builtin_prefetch(&front->lists[s->right], 1);
+}
+
 /* Stores windows as a chunk of wedges of the side's edge. */
 static enum gd_status store(struct gd__wavefront *front, uint32_t side, const struct gd__windows *windows,
                             uint32_t count)
@@ -34,9 +43,21 @@ static enum gd_status store(struct gd__wavefront *front, uint32_t side, const st
     return GD_OK;
 }
 
+static enum gd_status open_children(struct gd_workspace *work, uint32_t count)
+{
+    enum gd_status status = gd__children_open(&work->left, &work->pool, count);
+    if (status) return status;
+    status = gd__children_open(&work->right, &work->pool, count);
+    if (status) gd__children_close(&work->left, &work->pool);
+    return status;
+}
+
 static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
-    if (!children->count) return;
+    if (!children->count) {
+        gd__children_close(children, &front->work->pool);
+        return;
+    }
     if (children->tangled != GD_NONE && !front->status)
         front->status = gd__untangle(children, &front->work->pool, GD_TOL_WIDTH * to->length, &front->work->scratch);
     gd__wavefront_deliver(front, to, children);
@@ -73,8 +94,7 @@ static inline __attribute__((always_inline)) void cast(struct gd__wavefront *fro
     uint32_t side = at->side;
     const struct gd_side *s = &front->mesh->side[side];
     uint32_t vertex = gd__side_apex(front->mesh, side);
-    front->status = gd__children_reserve(&front->work->left, &front->work->pool, count);
-    if (!front->status) front->status = gd__children_reserve(&front->work->right, &front->work->pool, count);
+    front->status = open_children(front->work, count);
     if (front->status) return;
     front->effort.windows_propagated += count;
     struct gd__apex apex = {.distance = front->distance[vertex]};
@@ -145,6 +165,7 @@ void gd__propagate_side(struct gd__wavefront *front, uint32_t side)
     void *block = list->block;
     uint32_t count = list->count, size_class = list->size_class;
     forget(front, list);
+    prefetch_receivers(front, side);
     struct gd__receiver at = gd__wavefront_receiver(front, side);
     front->effort.sides_propagated++;
     front->status = prune(front, &at, list, &windows, &count);

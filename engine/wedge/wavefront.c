@@ -12,7 +12,7 @@
 #define NAMED_AHEAD   5
 #define WORK_AHEAD    2
 #define SIDES_IN_CACHE                                                                                                 \
-    20000 /* of a mesh that a second-level cache holds, records and all: asking ahead costs 3 % there */
+    20000 /* of a mesh that a second-level cache all but holds: asking for more than records costs 3 % there */
 #define WORK_LEAST  (UINT64_C(1) << 25) /* windows: a second's work */
 #define WORK_FACTOR 64
 
@@ -57,7 +57,7 @@ static void settle(struct gd__wavefront *front, uint32_t vertex, double distance
                    bool has_emitted)
 {
     if (!front->near && front->distance[vertex] >= GD__FAR)
-        gd__workspace_touch(front->work, 2 * front->work->edges + vertex);
+        gd__workspace_touch(front->work, 2 * front->work->edges + vertex, true);
     if (has_emitted) {
         note_fall(front, vertex);
         front->falls++;
@@ -98,10 +98,11 @@ void gd__wavefront_learn(struct gd__wavefront *front, const struct gd__vertex_le
                letter->has_emitted || front->emitted[letter->vertex] < GD__FAR);
 }
 
+/* An end that is not reached yet counts as a length farther than the other. Without branches, which would be as good as random. */
 static double key_of(const struct gd__receiver *to)
 {
-    double near = to->d0 < to->d1 ? to->d0 : to->d1, far = to->d0 < to->d1 ? to->d1 : to->d0;
-    return far < GD__FAR ? near + KEY_WEIGHT * (far - near) : near;
+    double near = to->d0 < to->d1 ? to->d0 : to->d1, apart = fabs(to->d0 - to->d1);
+    return near + KEY_WEIGHT * (apart < to->length ? apart : to->length);
 }
 
 /* Where neither end is reached, as before a narrow cone, what waits there says how near it is. */
@@ -132,24 +133,31 @@ static inline struct gd__list *open_list(struct gd__wavefront *front, uint32_t s
     return list;
 }
 
-void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+/* Windows that are wanted are those that come near enough; false: none are. */
+static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__receiver *to,
+                               struct gd__children *children)
 {
-    if (!children->count) return;
-    if (front->domain && !gd__domain_has_side(front->domain, to->side)) {
-        send(front, to->side, children);
-        return;
-    }
     if (front->guide)
         children->count = front->kernel->filter(&children->at, children->count, to->length, front->bound - to->l0,
                                                 front->bound - to->l1);
     else if (front->bound < GD__FAR)
         children->count = front->kernel->within(&children->at, children->count, front->bound);
     if (front->inner > 0) gd__keep_beyond(front, to->side, children);
-    if (!children->count || front->status) return;
+    return children->count && !front->status;
+}
+
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+{
+    bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
+    if (!is_ours) send(front, to->side, children);
+    if (!is_ours || !keep_wanted(front, to, children)) {
+        gd__children_close(children, &front->work->pool);
+        return;
+    }
     front->effort.windows_created += children->count;
     struct gd__list *list = open_list(front, to->side);
-    if (!list) return;
-    if (!list->touched) gd__workspace_touch(front->work, to->side);
+    if (!list) return; /* what is in the pool is let go all at once */
+    gd__workspace_touch(front->work, to->side, !list->touched);
     list->touched = true;
     if (!list->count || to->falls < list->falls) list->falls = to->falls;
     front->status =
@@ -278,8 +286,6 @@ ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
         __builtin_prefetch(&front->distance[mesh->origin[node]]);
         __builtin_prefetch(&front->distance[mesh->origin[node ^ 1]]);
         if (s->left == GD_NONE) return;
-        if (!front->near) __builtin_prefetch(&front->lists[s->left]);
-        if (!front->near) __builtin_prefetch(&front->lists[s->right]);
         __builtin_prefetch(&mesh->origin[s->right]);
     } else if (node != GD_NONE) {
         if (front->near && !gd__near_vertex(front->near, node - sides)) return;
@@ -330,8 +336,8 @@ void gd__wavefront_advance(struct gd__wavefront *front, uint32_t end, uint64_t m
     for (uint64_t work = 0; work < most && !front->status; work++) {
         node = gd__queue_pop(front->queue, end);
         if (node == GD_NONE) break;
+        prefetch_records(front, gd__queue_peek(front->queue, is_large ? RECORDS_AHEAD : WORK_AHEAD));
         if (is_large) {
-            prefetch_records(front, gd__queue_peek(front->queue, RECORDS_AHEAD));
             prefetch_named(front, gd__queue_peek(front->queue, NAMED_AHEAD));
             prefetch_work(front, gd__queue_peek(front->queue, WORK_AHEAD));
         }

@@ -58,10 +58,11 @@ GD_MUST_USE enum gd_status gd__workspace_open_near(struct gd_workspace *workspac
 /* Cleans what the propagation touched. */
 void gd__workspace_clean(struct gd_workspace *workspace);
 
-static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t node)
+/* Notes what is not clean any more, if it is the first time. Without a branch on that, which would be as good as random. */
+static inline void gd__workspace_touch(struct gd_workspace *workspace, uint32_t node, bool first_time)
 {
     if (workspace->touched_count < workspace->touched_capacity) workspace->touched[workspace->touched_count] = node;
-    workspace->touched_count++;
+    workspace->touched_count += first_time;
 }
 
 #endif

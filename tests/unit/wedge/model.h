@@ -79,7 +79,7 @@ static inline void build_windows(const struct gd__stack *from, struct gd__window
 static inline void build_children(const struct gd__stack *from, uint32_t tangled, struct gd__pool *pool,
                                   struct gd__children *out)
 {
-    check_ok(gd__children_reserve(out, pool, from->count), NULL);
+    check_ok(gd__children_open(out, pool, from->count), NULL);
     for (uint32_t i = 0; i < from->count; i++) gd__windows_put(&out->at, i, &from->windows[i]);
     out->count = from->count;
     out->tangled = tangled;

@@ -325,8 +325,8 @@ static struct gd__apex cast(const struct gd__kernel *kernel, const struct gd_sid
 {
     struct gd__windows w = plain.at;
     w.b0 += first, w.b1 += first, w.x += first, w.y += first, w.sigma += first, w.source += first;
-    check_ok(gd__children_reserve(&left[result], &pool, count), NULL);
-    check_ok(gd__children_reserve(&right[result], &pool, count), NULL);
+    check_ok(gd__children_open(&left[result], &pool, count), NULL);
+    check_ok(gd__children_open(&right[result], &pool, count), NULL);
     struct gd__apex apex = {.distance = known};
     kernel->cast(side, &w, count, coalesce, &apex, &left[result], &right[result]);
     return apex;

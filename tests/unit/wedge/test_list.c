@@ -337,7 +337,7 @@ static void budget_is_kept(void **state)
         struct gd__window *w = &offered.windows[count];
         w->b0 = count;
         w->b1 = count + 1;
-        status = gd__children_reserve(&newer, &pool, 1);
+        status = gd__children_open(&newer, &pool, 1);
         if (status) break;
         gd__windows_put(&newer.at, 0, w);
         newer.count = 1;

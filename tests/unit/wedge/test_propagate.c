@@ -40,7 +40,7 @@ static double cast(const struct gd_side *side, const struct gd__window *window)
 {
     struct gd__window_builder parent = {0};
     check_ok(gd__window_builder_reserve(&parent, 1), NULL);
-    for (int k = 0; k < 2; k++) check_ok(gd__children_reserve(&children[k], &pool, 1), NULL);
+    for (int k = 0; k < 2; k++) check_ok(gd__children_open(&children[k], &pool, 1), NULL);
     gd__windows_put(&parent.at, 0, window);
     struct gd__apex apex = {.distance = GD__FAR, .last_left = GD_NONE, .first_right = GD_NONE};
     gd__kernel_in_use()->cast(side, &parent.at, 1, true, &apex, &children[0], &children[1]);
