@@ -107,6 +107,12 @@ export class Field extends Resource {
   /** The distance at each point, null where there is none. */
   distances(points: readonly PointLike[]): Promise<(number | null)[]>;
   isolines(levels: readonly number[], tolerance?: number): Promise<types.IsolinesAnswer["isolines"]>;
+  /** The lines of all levels as a file. `mesh`: with their mesh, of obj and glb. */
+  isolinesFile(
+    levels: readonly number[],
+    format?: "obj" | "glb" | "csv",
+    options?: { tolerance?: number; mesh?: boolean },
+  ): Promise<ArrayBuffer>;
 }
 
 export class Mesh extends Surface<types.MeshQueries> {

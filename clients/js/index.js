@@ -231,7 +231,12 @@ export class Field extends Resource {
   }
 
   async isolines(levels, tolerance) {
-    return (await this.query("isolines", tolerance === undefined ? { levels } : { levels, tolerance })).isolines;
+    return (await this.query("isolines", { levels, tolerance })).isolines;
+  }
+
+  async isolinesFile(levels, format = "obj", { tolerance, mesh } = {}) {
+    const call = { query: { format, mesh }, body: { levels, tolerance } };
+    return (await this.client.call("POST", `${this.location}/isolines`, call)).arrayBuffer();
   }
 }
 

@@ -1,9 +1,12 @@
-/* Isolines: the lines of a field at some levels, traced and written level by level. Always by a worker. */
+/* Isolines: the lines of a field at some levels, traced and written level by level, or collected for a file. Always by a worker. */
 #include "server/handlers/handlers.h"
+
+#include <stdlib.h>
 
 #include "proto/isoline.h"
 #include "proto/path.h"
 #include "server/handlers/field_query.h"
+#include "server/handlers/result.h"
 #include "server/server.h"
 
 #define BYTES_AN_EDGE 32 /* of the mesh, while a line is traced */
@@ -16,11 +19,18 @@ struct isolines {
     struct server_field_query field; /* first */
     struct proto_isolines wanted;
     uint64_t points, arcs; /* written so far */
+    struct gd_path *lines; /* of a file; the draft has none */
+    uint32_t line_count;
 };
 
 static const struct gd_mesh *mesh_of(const struct isolines *isolines)
 {
     return isolines->field.query.surface->mesh;
+}
+
+static bool is_file(const struct isolines *isolines)
+{
+    return isolines->field.query.form >= SERVER_FORM_FIRST;
 }
 
 /* --- limits ------------------------------------------------------------------------------------------------------- */
@@ -93,12 +103,16 @@ static enum gd_status write_flat(struct isolines *isolines, const struct gd_isol
     struct gd_path path;
     enum gd_status status = gd_isoline_flatten(mesh_of(isolines), line, tolerance, control, &path);
     if (status) return status;
+    if (is_file(isolines)) {
+        isolines->lines[isolines->line_count++] = path;
+        return GD_OK;
+    }
     status = write_points(isolines, path.points, path.count, path.count, control);
     gd_path_free(&path);
     return status;
 }
 
-/* Flattened, with its points counted in the budget. */
+/* Flattened, with its points counted in the budget as long as they are there. */
 static enum gd_status flatten(struct isolines *isolines, const struct gd_isoline_line *line,
                               const struct gd_control *control)
 {
@@ -107,7 +121,7 @@ static enum gd_status flatten(struct isolines *isolines, const struct gd_isoline
     enum gd_status status = server_query_take(&isolines->field.query, bytes);
     if (status) return status;
     status = write_flat(isolines, line, tolerance, control);
-    server_query_give(&isolines->field.query, bytes);
+    if (!is_file(isolines)) server_query_give(&isolines->field.query, bytes);
     return status;
 }
 
@@ -146,6 +160,18 @@ static bool write_lines(struct isolines *isolines, const struct gd_isoline *isol
     return true;
 }
 
+/* For so many more lines of a file. */
+static bool make_room(struct isolines *isolines, uint32_t more, struct proto_problem *problem)
+{
+    size_t bytes = (isolines->line_count + (size_t)more) * sizeof *isolines->lines;
+    if (!is_file(isolines) || more == 0) return true;
+    enum gd_status status = server_query_take(&isolines->field.query, more * sizeof *isolines->lines);
+    struct gd_path *lines = status ? NULL : realloc(isolines->lines, bytes);
+    if (lines) isolines->lines = lines;
+    if (!status && !lines) status = GD_NO_MEMORY;
+    return !status || server_query_fail(&isolines->field.query, status, WHAT, problem) == SERVER_QUERY_DONE;
+}
+
 struct tracing {
     const struct gd_field *field;
     double level;
@@ -179,7 +205,7 @@ static bool write_level(struct isolines *isolines, const struct gd_field *field,
         server_query_fail(&isolines->field.query, status, "the isoline", problem);
         return false;
     }
-    bool ok = write_lines(isolines, &isoline, &second, problem);
+    bool ok = make_room(isolines, isoline.line_count, problem) && write_lines(isolines, &isoline, &second, problem);
     server_query_give(&isolines->field.query, isoline.bytes);
     gd_isoline_free(&isoline);
     return ok;
@@ -201,10 +227,14 @@ static enum server_query_turn answer(struct server_field_query *query, const str
     return server_query_end_draft(&query->query, GD_OK, WHAT, problem);
 }
 
-/* The request was read. */
+/* The request was read. A file has polylines only, and always. */
 static bool settle(struct isolines *isolines, struct proto_problem *problem)
 {
     isolines->field.answer = answer;
+    if (is_file(isolines)) {
+        isolines->field.query.options.geometry = PROTO_GEOMETRY_XYZ;
+        isolines->wanted.wants_arcs = false;
+    }
     return proto_isolines_settle(&isolines->wanted, &isolines->field.resource->description, problem);
 }
 
@@ -222,12 +252,23 @@ static bool parse(struct server_query *query, const struct proto_parameters *par
            proto_isolines_parse(parameters, &isolines->wanted, problem) && settle(isolines, problem);
 }
 
+static bool write_file(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
+{
+    const struct isolines *isolines = (const struct isolines *)query;
+    if (!isolines->line_count) return server_result_refuse_nothing(problem, "there are no lines at these distances");
+    return server_result_write_paths(query, isolines->lines, isolines->line_count, bytes, size, problem);
+}
+
 static void release(struct server_query *query)
 {
     struct isolines *isolines = (struct isolines *)query;
+    for (uint32_t i = 0; i < isolines->line_count; i++) gd_path_free(&isolines->lines[i]);
+    free(isolines->lines);
     proto_isolines_free(&isolines->wanted);
     server_field_query_release(query);
 }
+
+static const struct server_form isolines_forms[] = {SERVER_RESULT_LINE_FORMS, {NULL, NULL, false}};
 
 static const struct server_query_kind isolines_kind = {.name = "isolines",
                                                        .size = sizeof(struct isolines),
@@ -238,6 +279,8 @@ static const struct server_query_kind isolines_kind = {.name = "isolines",
                                                        .glance = server_field_query_glance,
                                                        .join = server_field_query_join,
                                                        .solve = server_field_query_solve,
+                                                       .forms = isolines_forms,
+                                                       .write = write_file,
                                                        .release = release};
 
 void server_handle_isolines(struct server_exchange *exchange)

@@ -238,21 +238,15 @@ static void encode(const struct server_query *query, struct proto_writer *writer
     proto_pair_encode(writer, &pair->stops, &pair->answer, &query->options);
 }
 
-/* The path as a file; the first three are result files (gd/result_file.h). */
-static const struct server_form path_forms[] = {{"obj", "model/obj", true},
-                                                {"glb", "model/gltf-binary", true},
-                                                {"csv", "text/csv", false},
-                                                {"svg", "image/svg+xml", false},
-                                                {NULL, NULL, false}};
-static const enum gd_result_format path_formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
+static const struct server_form path_forms[] = {
+    SERVER_RESULT_LINE_FORMS, {"svg", "image/svg+xml", false}, {NULL, NULL, false}};
 
 static bool write_path(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem)
 {
     const struct gd_pair_answer *answer = &((const struct pair *)query)->answer;
-    unsigned form = query->form - SERVER_FORM_FIRST;
-    if (isinf(answer->distance)) return server_result_refuse_no_path(problem);
-    if (form < sizeof path_formats / sizeof path_formats[0])
-        return server_result_write_path(query, &answer->path, path_formats[form], bytes, size, problem);
+    if (isinf(answer->distance)) return server_result_refuse_nothing(problem, "there is no path between the points");
+    if (query->form < SERVER_RESULT_LINE_FORMS_END)
+        return server_result_write_paths(query, &answer->path, 1, bytes, size, problem);
     return server_result_write_strip(query, &answer->path, bytes, size, problem);
 }
 

@@ -62,6 +62,8 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
     return ok;
 }
 
+/* --- lines -------------------------------------------------------------------------------------------------------- */
+
 static void find_positions(const struct gd_mesh *mesh, const struct gd_path *path, double (*out)[3])
 {
     for (uint32_t i = 0; i < path->count; i++) {
@@ -72,19 +74,34 @@ static void find_positions(const struct gd_mesh *mesh, const struct gd_path *pat
     }
 }
 
-bool server_result_write_path(const struct server_query *query, const struct gd_path *path,
-                              enum gd_result_format format, char **bytes, size_t *size, struct proto_problem *problem)
+/* `first` tells where each path's points are, and how many there are. */
+static bool write_lines(const struct server_query *query, const struct gd_path *paths, const uint32_t *first,
+                        uint32_t count, char **bytes, size_t *size, struct proto_problem *problem)
 {
-    size_t cost = path->count * sizeof(double[3]);
-    if (!hold(query, cost, problem)) return false;
-    double(*positions)[3] = malloc(cost);
-    const uint32_t first[2] = {0, path->count};
-    const struct gd_result result = {.points = (const double(*)[3])positions, .first = first, .line_count = 1};
-    if (positions) find_positions(query->surface->mesh, path, positions);
-    bool ok = positions ? server_result_write(query, &result, query->with_mesh, format, bytes, size, problem)
-                        : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
+    double(*positions)[3] = malloc(first[count] * sizeof *positions);
+    if (!positions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < count; i++) find_positions(query->surface->mesh, &paths[i], positions + first[i]);
+    const struct gd_result result = {.points = (const double(*)[3])positions, .first = first, .line_count = count};
+    bool ok = server_result_write(query, &result, query->with_mesh, formats[query->form - SERVER_FORM_FIRST], bytes,
+                                  size, problem);
     free(positions);
-    settle(query, cost, 0);
+    return ok;
+}
+
+bool server_result_write_paths(const struct server_query *query, const struct gd_path *paths, uint32_t count,
+                               char **bytes, size_t *size, struct proto_problem *problem)
+{
+    uint32_t *first = calloc(count + (size_t)1, sizeof *first);
+    if (!first) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    for (uint32_t i = 0; i < count; i++) first[i + 1] = first[i] + paths[i].count;
+    size_t cost = first[count] * sizeof(double[3]) + count * sizeof *first;
+    bool ok = hold(query, cost, problem);
+    if (ok) {
+        ok = write_lines(query, paths, first, count, bytes, size, problem);
+        settle(query, cost, 0);
+    }
+    free(first);
     return ok;
 }
 
@@ -125,9 +142,8 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
 
 /* --- none --------------------------------------------------------------------------------------------------------- */
 
-bool server_result_refuse_no_path(struct proto_problem *problem)
+bool server_result_refuse_nothing(struct proto_problem *problem, const char *why)
 {
-    return proto_problem_set(
-        problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
-        "there is no path between the points, so there is nothing to draw; as JSON the answer says so");
+    return proto_problem_set(problem, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                             "%s, so there is nothing to draw; as JSON the answer says so", why);
 }

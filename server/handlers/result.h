@@ -10,15 +10,23 @@
 bool server_result_write(const struct server_query *query, const struct gd_result *result, bool with_mesh,
                          enum gd_result_format format, char **bytes, size_t *size, struct proto_problem *problem);
 
-/* The same of a path as the one line. */
-bool server_result_write_path(const struct server_query *query, const struct gd_path *path,
-                              enum gd_result_format format, char **bytes, size_t *size, struct proto_problem *problem);
+/* The formats of lines: the first of an answer's other forms (form.h). */
+#define SERVER_RESULT_LINE_FORMS                                                                                       \
+    {"obj", "model/obj", true}, {"glb", "model/gltf-binary", true},                                                    \
+    {                                                                                                                  \
+        "csv", "text/csv", false                                                                                       \
+    }
+#define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
+
+/* The same of paths, at least one, as a line each, in the query's form, which is one of those. */
+bool server_result_write_paths(const struct server_query *query, const struct gd_path *paths, uint32_t count,
+                               char **bytes, size_t *size, struct proto_problem *problem);
 
 /* The same of a path and the faces that it runs through, laid flat and drawn (proto/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path, char **bytes, size_t *size,
                                struct proto_problem *problem);
 
-/* Refuses a file of a path that there is not. */
-bool server_result_refuse_no_path(struct proto_problem *problem);
+/* Refuses a file of what there is not; `why` begins a sentence. False. */
+bool server_result_refuse_nothing(struct proto_problem *problem, const char *why);
 
 #endif

@@ -1,4 +1,4 @@
-"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG; glTF in and out; and what others make of it."""
+"""Answers as files for other programs: fields as PLY, GLB and CSV, paths as OBJ, GLB, CSV and SVG, isolines as OBJ, GLB and CSV; glTF in and out; and what others make of it."""
 import csv
 import io
 import json
@@ -160,6 +160,60 @@ class Paths(Files):
             problem = self.assert_problem(self.daemon.get(self.QUESTION + more), 400, "invalid_request")
             self.assertEqual(problem["parameter"], name)
         self.assert_problem(self.daemon.get("/v1/meshes/torus/distance?from=v:0&to=v:1&format=csv"), 400, "invalid_request")
+
+
+class Isolines(Files):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        made = cls.daemon.ask("torus", "fields", {"set": {"points": [{"vertex": 0}]}, "max_distance": 2}).json
+        cls.path = f"/v1/meshes/torus/fields/{made['id']}/isolines"
+        cls.question = cls.path + "?levels=1.5,0.25&tolerance=0.01"
+        isolines = cls.daemon.get(cls.question + "&geometry=xyz").json["isolines"]
+        cls.lines = [line for isoline in isolines for line in isoline["lines"]]
+        assert len(cls.lines) > 1 and {line["closed"] for line in cls.lines} == {True}
+
+    def points(self):
+        return [point for line in self.lines for point in line["points"]]
+
+    def test_obj_has_each_line(self):
+        rows = [row.split() for row in self.get_file(self.question, "obj").decode().splitlines()]
+        self.assertEqual([list(map(float, row[1:])) for row in rows if row[0] == "v"], self.points())
+        self.assertEqual([len(row) - 1 for row in rows if row[0] == "l"], [len(line["points"]) for line in self.lines])
+        again = self.daemon.put("with-isolines", self.get_file(self.question + "&mesh=true", "obj")).json
+        self.assertEqual(again["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
+
+    def test_csv_tells_which_line(self):
+        rows = list(csv.DictReader(io.StringIO(self.get_file(self.question, "csv").decode(), newline="")))
+        self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], self.points())
+        for index, line in enumerate(self.lines):
+            mine = [row for row in rows if int(row["line"]) == index]
+            self.assertAlmostEqual(float(mine[-1]["along"]), sum(map(math.dist, line["points"], line["points"][1:])), 12)
+            self.assertAlmostEqual(float(mine[-1]["along"]), line["length"], delta=0.02 * line["length"])
+
+    def test_glb_has_a_strip_for_each(self):
+        primitives = read_glb(self.get_file(self.question, "glb"))[0]["meshes"][0]["primitives"]
+        self.assertEqual([primitive["mode"] for primitive in primitives], [3] * len(self.lines))
+
+    def test_by_post_accept_and_as_a_job(self):
+        document, known = json.dumps({"levels": [1.5, 0.25], "tolerance": 0.01}), self.get_file(self.question, "csv")
+        headers = {"Content-Type": "application/json", "Accept": "text/csv"}
+        self.assertEqual(self.daemon.request("POST", self.path, document, headers).body, known)
+        accepted = self.daemon.request("POST", self.path, document, {**headers, "Prefer": "respond-async"})
+        self.assertEqual(accepted.status, 202, accepted)
+        self.daemon.get(accepted.headers["Location"] + "/events")  # until it has ended
+        self.assertEqual(self.daemon.get(accepted.headers["Location"] + "/result").body, known)
+
+    def test_a_file_has_polylines_whatever_else_is_said(self):
+        self.assertEqual(self.get_file(self.question + "&arcs=true&geometry=none", "csv"), self.get_file(self.question, "csv"))
+
+    def test_what_can_not_be_had(self):
+        answer = self.daemon.get(self.path + "?levels=0&format=glb")
+        self.assertIn("no lines", self.assert_problem(answer, 406, "not_acceptable")["detail"])
+        for more, name in (("&format=svg", "format"), ("&format=csv&mesh=true", "mesh")):
+            self.assertEqual(self.assert_problem(self.daemon.get(self.question + more), 400, "invalid_request")["parameter"], name)
+        fine = self.daemon.get(self.path + "?count=1000&tolerance=1e-12&format=obj")
+        self.assertEqual(self.assert_problem(fine, 413, "too_large")["limit"], 500000)
 
 
 class Gltf(Files):

@@ -121,10 +121,16 @@ class Field(Resource):
 
     def isolines(self, levels: Sequence[float], tolerance: Optional[float] = None) -> List[Dict[str, Any]]:
         """For each level its lines; flattened to `tolerance` within faces, or without it to the daemon's own."""
-        body: Dict[str, Any] = {"levels": list(levels)}
-        if tolerance is not None:
-            body["tolerance"] = tolerance
-        return self.query("isolines", body)["isolines"]
+        return self.query("isolines", self._levels(levels, tolerance))["isolines"]
+
+    def isolines_file(self, levels: Sequence[float], format: str = "obj", tolerance: Optional[float] = None, mesh: bool = False) -> bytes:
+        """The lines of all levels as a file: obj, glb or csv; `mesh`: with their mesh, of obj and glb."""
+        query = {"format": format, "mesh": mesh or None}
+        return self.client.call("POST", self.location + "/isolines", query, self._levels(levels, tolerance)).body
+
+    @staticmethod
+    def _levels(levels: Sequence[float], tolerance: Optional[float]) -> Dict[str, Any]:
+        return {"levels": list(levels), **({} if tolerance is None else {"tolerance": tolerance})}
 
 
 class Mesh(Surface):
