@@ -52,8 +52,7 @@ static void encode_place(struct proto_writer *writer, const char *key, const str
 {
     proto_write_key(writer, key);
     proto_write_object_begin(writer);
-    proto_write_key(writer, "point");
-    proto_point_encode(writer, mesh, &place->point, NAN);
+    proto_member_point(writer, "point", mesh, &place->point, NAN);
     proto_member_number(writer, "parameter", place->parameter);
     proto_member_number(writer, "angle", place->angle);
     proto_write_object_end(writer);

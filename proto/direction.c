@@ -80,7 +80,6 @@ void proto_direction_encode(struct proto_writer *writer, const struct gd_directi
 {
     proto_write_object_begin(writer);
     proto_member_number(writer, "angle", direction->angle);
-    proto_write_key(writer, "xyz");
-    proto_xyz_encode(writer, direction->xyz);
+    proto_member_xyz(writer, "xyz", direction->xyz);
     proto_write_object_end(writer);
 }

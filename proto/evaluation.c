@@ -91,8 +91,7 @@ static void encode_nearest(struct proto_writer *writer, const struct gd_mesh *me
     proto_write_object_begin(writer);
     proto_member_uint(writer, "index", result->member);
     proto_member_string(writer, "label", proto_located_set_label(set, result->member));
-    proto_write_key(writer, "point");
-    proto_point_encode(writer, mesh, &result->nearest, NAN);
+    proto_member_point(writer, "point", mesh, &result->nearest, NAN);
     proto_write_object_end(writer);
 }
 

@@ -128,8 +128,7 @@ static void encode_sample(struct proto_writer *writer, const double uv[2], struc
     proto_write_object_begin(writer);
     proto_write_key(writer, "uv");
     proto_write_numbers(writer, uv, 2);
-    proto_write_key(writer, "xyz");
-    proto_xyz_encode(writer, xyz);
+    proto_member_xyz(writer, "xyz", xyz);
     proto_write_object_end(writer);
 }
 
@@ -193,8 +192,7 @@ static void encode_end(struct proto_writer *writer, const struct gd_domain_curve
     if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "parameter", parameter);
     proto_write_key(writer, "uv");
     proto_write_numbers(writer, uv, 2);
-    proto_write_key(writer, "xyz");
-    proto_xyz_encode(writer, position(gd_domain_curve_surface(curve), uv));
+    proto_member_xyz(writer, "xyz", position(gd_domain_curve_surface(curve), uv));
     if (!gd_domain_curve_is_point(curve)) proto_member_number(writer, "angle", angle);
     proto_write_object_end(writer);
 }

@@ -272,8 +272,7 @@ static double start_of(const struct gd_mesh *mesh, const struct gd_isoline_arc *
 static void write_round(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_isoline_arc *arc)
 {
     double start = start_of(mesh, arc);
-    proto_write_key(writer, "centre");
-    proto_xyz_encode(writer, arc->centre);
+    proto_member_xyz(writer, "centre", arc->centre);
     proto_member_number(writer, "radius", arc->radius);
     proto_member_number(writer, "start", start);
     proto_member_number(writer, "end", start + (arc->to - arc->from));

@@ -1,5 +1,7 @@
 #include "proto/jet.h"
 
+#include <math.h>
+
 #include "proto/decode.h"
 #include "proto/member.h"
 #include "proto/point.h"
@@ -43,31 +45,12 @@ bool proto_foot_decode(const json_t *document, struct gd_vec3 *out, struct proto
 
 /* --- the answers -------------------------------------------------------------------------------------------------- */
 
-static void encode_vector(struct proto_writer *writer, const char *key, struct gd_vec3 vector, bool is_wanted)
-{
-    if (!is_wanted) return;
-    proto_write_key(writer, key);
-    proto_xyz_encode(writer, vector);
-}
-
-static void encode_curvature(struct proto_writer *writer, const char *key, double value, bool is_regular,
-                             bool is_wanted)
-{
-    if (!is_wanted) return;
-    proto_write_key(writer, key);
-    if (is_regular)
-        proto_write_number(writer, value);
-    else
-        proto_write_null(writer);
-}
-
 static void encode_normal(struct proto_writer *writer, const struct gd_curvature *curvature)
 {
-    proto_write_key(writer, "normal");
     if (curvature->regular)
-        proto_xyz_encode(writer, curvature->normal);
+        proto_member_xyz(writer, "normal", curvature->normal);
     else
-        proto_write_null(writer);
+        proto_member_null(writer, "normal");
 }
 
 void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uint32_t fields)
@@ -75,16 +58,17 @@ void proto_jet_encode(struct proto_writer *writer, const struct gd_jet *jet, uin
     const uint32_t wanted = proto_fields_within(fields, PROTO_JET_FIELD_POINTS, ~(uint32_t)PROTO_JET_FIELD_POINTS);
     const struct gd_curvature curvature = gd_jet_curvature(jet);
     proto_write_object_begin(writer);
-    encode_vector(writer, "xyz", jet->x, wanted & PROTO_JET_FIELD_XYZ);
+    if (wanted & PROTO_JET_FIELD_XYZ) proto_member_xyz(writer, "xyz", jet->x);
     if (wanted & PROTO_JET_FIELD_NORMAL) encode_normal(writer, &curvature);
-    encode_vector(writer, "du", jet->u, wanted & PROTO_JET_FIELD_DU);
-    encode_vector(writer, "dv", jet->v, wanted & PROTO_JET_FIELD_DV);
-    encode_vector(writer, "duu", jet->uu, wanted & PROTO_JET_FIELD_DUU);
-    encode_vector(writer, "duv", jet->uv, wanted & PROTO_JET_FIELD_DUV);
-    encode_vector(writer, "dvv", jet->vv, wanted & PROTO_JET_FIELD_DVV);
-    encode_curvature(writer, "gaussian_curvature", curvature.gaussian, curvature.regular,
-                     wanted & PROTO_JET_FIELD_GAUSSIAN);
-    encode_curvature(writer, "mean_curvature", curvature.mean, curvature.regular, wanted & PROTO_JET_FIELD_MEAN);
+    if (wanted & PROTO_JET_FIELD_DU) proto_member_xyz(writer, "du", jet->u);
+    if (wanted & PROTO_JET_FIELD_DV) proto_member_xyz(writer, "dv", jet->v);
+    if (wanted & PROTO_JET_FIELD_DUU) proto_member_xyz(writer, "duu", jet->uu);
+    if (wanted & PROTO_JET_FIELD_DUV) proto_member_xyz(writer, "duv", jet->uv);
+    if (wanted & PROTO_JET_FIELD_DVV) proto_member_xyz(writer, "dvv", jet->vv);
+    if (wanted & PROTO_JET_FIELD_GAUSSIAN)
+        proto_member_number(writer, "gaussian_curvature", curvature.regular ? curvature.gaussian : NAN);
+    if (wanted & PROTO_JET_FIELD_MEAN)
+        proto_member_number(writer, "mean_curvature", curvature.regular ? curvature.mean : NAN);
     proto_write_object_end(writer);
 }
 
@@ -95,7 +79,7 @@ void proto_foot_encode(struct proto_writer *writer, const struct gd_parametric_f
         proto_write_key(writer, "uv");
         proto_write_numbers(writer, (double[]){foot->u, foot->v}, 2);
     }
-    encode_vector(writer, "xyz", foot->xyz, fields & PROTO_FOOT_FIELD_XYZ);
+    if (fields & PROTO_FOOT_FIELD_XYZ) proto_member_xyz(writer, "xyz", foot->xyz);
     if (fields & PROTO_FOOT_FIELD_DISTANCE) proto_member_number(writer, "distance", foot->distance);
     proto_write_object_end(writer);
 }

@@ -20,11 +20,10 @@ bool proto_limit_jets_decode(const json_t *document, const struct gd_subdivision
 
 static void encode_vector(struct proto_writer *writer, const char *key, struct gd_vec3 vector, bool is_known)
 {
-    proto_write_key(writer, key);
     if (is_known)
-        proto_xyz_encode(writer, vector);
+        proto_member_xyz(writer, key, vector);
     else
-        proto_write_null(writer);
+        proto_member_null(writer, key);
 }
 
 static void encode_curvatures(struct proto_writer *writer, const struct gd_limit_jet *jet)
@@ -67,7 +66,7 @@ void proto_limit_foot_encode(struct proto_writer *writer, const struct gd_limit_
         proto_write_key(writer, "uv");
         proto_write_numbers(writer, (double[]){foot->place.u, foot->place.v}, 2);
     }
-    if (fields & PROTO_LIMIT_FOOT_FIELD_XYZ) encode_vector(writer, "xyz", foot->position, true);
+    if (fields & PROTO_LIMIT_FOOT_FIELD_XYZ) proto_member_xyz(writer, "xyz", foot->position);
     if (fields & PROTO_LIMIT_FOOT_FIELD_DISTANCE) proto_member_number(writer, "distance", foot->distance);
     proto_write_object_end(writer);
 }

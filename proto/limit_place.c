@@ -104,7 +104,6 @@ void proto_limit_place_encode(struct proto_writer *writer, const struct gd_limit
 {
     proto_write_object_begin(writer);
     proto_limit_place_write(writer, place);
-    proto_write_key(writer, "xyz");
-    proto_xyz_encode(writer, xyz);
+    proto_member_xyz(writer, "xyz", xyz);
     proto_write_object_end(writer);
 }

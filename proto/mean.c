@@ -71,10 +71,7 @@ void proto_mean_encode(struct proto_writer *writer, const struct gd_mesh *mesh, 
 {
     uint32_t fields = options->fields;
     proto_write_object_begin(writer);
-    if (fields & PROTO_MEAN_FIELD_POINT) {
-        proto_write_key(writer, "point");
-        proto_point_encode(writer, mesh, &mean->point, NAN);
-    }
+    if (fields & PROTO_MEAN_FIELD_POINT) proto_member_point(writer, "point", mesh, &mean->point, NAN);
     if (fields & PROTO_MEAN_FIELD_RESIDUAL) proto_member_number(writer, "residual", mean->residual);
     if (fields & PROTO_MEAN_FIELD_SPREAD) proto_member_number(writer, "spread", mean->spread);
     if (fields & PROTO_MEAN_FIELD_ITERATIONS) proto_member_uint(writer, "iterations", mean->iterations);

@@ -163,10 +163,8 @@ static void encode_geometry(struct proto_writer *writer, const struct gd_mesh_su
     proto_member_number(writer, "area", summary->area);
     proto_write_key(writer, "bounding_box");
     proto_write_object_begin(writer);
-    proto_write_key(writer, "min");
-    proto_xyz_encode(writer, summary->min);
-    proto_write_key(writer, "max");
-    proto_xyz_encode(writer, summary->max);
+    proto_member_xyz(writer, "min", summary->min);
+    proto_member_xyz(writer, "max", summary->max);
     proto_write_object_end(writer);
     proto_write_key(writer, "edge_length");
     proto_write_object_begin(writer);

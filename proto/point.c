@@ -315,3 +315,16 @@ void proto_point_encode(struct proto_writer *writer, const struct gd_mesh *mesh,
 {
     proto_point_encode_fields(writer, mesh, point, snap_distance, PROTO_POINT_FIELD_ALL);
 }
+
+void proto_member_point(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance)
+{
+    proto_write_key(writer, key);
+    proto_point_encode(writer, mesh, point, snap_distance);
+}
+
+void proto_member_xyz(struct proto_writer *writer, const char *key, struct gd_vec3 xyz)
+{
+    proto_write_key(writer, key);
+    proto_xyz_encode(writer, xyz);
+}

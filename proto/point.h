@@ -78,4 +78,9 @@ void proto_point_encode_fields(struct proto_writer *writer, const struct gd_mesh
 /* [x,y,z] */
 void proto_xyz_encode(struct proto_writer *writer, struct gd_vec3 xyz);
 
+/* Both as the member of an object (member.h). */
+void proto_member_point(struct proto_writer *writer, const char *key, const struct gd_mesh *mesh,
+                        const struct gd_point *point, double snap_distance);
+void proto_member_xyz(struct proto_writer *writer, const char *key, struct gd_vec3 xyz);
+
 #endif

@@ -294,21 +294,15 @@ static void encode_knot(struct proto_writer *writer, const struct gd_spline_knot
     proto_write_object_end(writer);
 }
 
-static void encode_vector(struct proto_writer *writer, const char *key, struct gd_vec3 vector)
-{
-    proto_write_key(writer, key);
-    proto_xyz_encode(writer, vector);
-}
-
 static void encode_frame(struct proto_writer *writer, const struct gd_mesh *mesh, const struct gd_spline_place *place)
 {
     const struct gd_frame frame = gd_frame_at(mesh, place);
     proto_write_object_begin(writer);
     proto_member_number(writer, "parameter", frame.parameter);
-    encode_vector(writer, "xyz", frame.position);
-    encode_vector(writer, "tangent", frame.tangent);
-    encode_vector(writer, "normal", frame.normal);
-    encode_vector(writer, "binormal", frame.binormal);
+    proto_member_xyz(writer, "xyz", frame.position);
+    proto_member_xyz(writer, "tangent", frame.tangent);
+    proto_member_xyz(writer, "normal", frame.normal);
+    proto_member_xyz(writer, "binormal", frame.binormal);
     proto_member_number(writer, "speed", place->speed);
     proto_write_object_end(writer);
 }

@@ -147,10 +147,8 @@ static bool write_answer(struct exp_map *map, struct proto_problem *problem)
     struct proto_writer *writer = &map->query.draft;
     uint32_t fields = map->query.options.fields;
     proto_write_object_begin(writer);
-    if (fields & PROTO_EXP_FIELD_START) {
-        proto_write_key(writer, "start");
-        proto_point_encode(writer, map->query.surface->mesh, &map->start, map->snap);
-    }
+    if (fields & PROTO_EXP_FIELD_START)
+        proto_member_point(writer, "start", map->query.surface->mesh, &map->start, map->snap);
     if (fields & PROTO_EXP_FIELD_VECTORS) write_vectors(map);
     if (!write_paths(map, problem)) return false;
     if (fields & PROTO_EXP_FIELD_POINTS) write_points(map);

@@ -43,10 +43,8 @@ static void begin_answer(struct log_map *map)
 {
     struct proto_writer *writer = &map->field.query.draft;
     proto_write_object_begin(writer);
-    if (map->field.query.options.fields & PROTO_LOG_FIELD_FROM) {
-        proto_write_key(writer, "from");
-        proto_point_encode(writer, map->field.query.surface->mesh, &map->from.point, map->snap);
-    }
+    if (map->field.query.options.fields & PROTO_LOG_FIELD_FROM)
+        proto_member_point(writer, "from", map->field.query.surface->mesh, &map->from.point, map->snap);
     if (!wants_vectors(map)) return;
     proto_write_key(writer, "vectors");
     proto_write_array_begin(writer);

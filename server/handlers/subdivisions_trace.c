@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "proto/limit_trace.h"
+#include "proto/member.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/subdivisions.h"
 #include "server/server.h"
@@ -198,10 +199,8 @@ static void write_head(struct tracing *tracing)
         proto_write_key(writer, "start");
         proto_limit_place_encode(writer, &tracing->wanted.start, tracing->jet.position);
     }
-    if (!tracing->wanted.smooth && fields & PROTO_LIMIT_TRACE_FIELD_LEVEL) {
-        proto_write_key(writer, "level");
-        proto_write_uint(writer, tracing->wanted.level);
-    }
+    if (!tracing->wanted.smooth && fields & PROTO_LIMIT_TRACE_FIELD_LEVEL)
+        proto_member_uint(writer, "level", tracing->wanted.level);
 }
 
 static enum server_query_turn refuse_start(struct proto_problem *problem)

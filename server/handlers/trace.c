@@ -91,10 +91,8 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
     struct proto_writer *writer = &tracing->query.draft;
     enum gd_status status = GD_OK;
     proto_write_object_begin(writer);
-    if (query->options.fields & PROTO_TRACE_FIELD_START) {
-        proto_write_key(writer, "start");
-        proto_point_encode(writer, query->surface->mesh, &tracing->start, tracing->snap);
-    }
+    if (query->options.fields & PROTO_TRACE_FIELD_START)
+        proto_member_point(writer, "start", query->surface->mesh, &tracing->start, tracing->snap);
     if (query->options.fields & PROTO_TRACE_FIELD_PATHS) status = write_paths(tracing);
     proto_write_object_end(writer);
     return server_query_end_draft(query, status, WHAT, problem);

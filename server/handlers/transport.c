@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "proto/evaluation.h"
+#include "proto/member.h"
 #include "proto/vector.h"
 #include "server/handlers/query.h"
 #include "server/handlers/shortest.h"
@@ -79,8 +80,7 @@ static enum server_query_turn solve(struct server_query *query, struct proto_pro
 
 static void encode_end(const struct transport *transport, struct proto_writer *writer, const char *key, uint32_t end)
 {
-    proto_write_key(writer, key);
-    proto_point_encode(writer, transport->ends.mesh, &transport->ends.points[end], transport->ends.snaps[end]);
+    proto_member_point(writer, key, transport->ends.mesh, &transport->ends.points[end], transport->ends.snaps[end]);
 }
 
 static void encode_vectors(const struct transport *transport, struct proto_writer *writer)
@@ -103,10 +103,7 @@ static void encode(const struct server_query *query, struct proto_writer *writer
     proto_write_object_begin(writer);
     if (fields & PROTO_TRANSPORT_FIELD_FROM) encode_end(transport, writer, "from", 0);
     if (fields & PROTO_TRANSPORT_FIELD_TO) encode_end(transport, writer, "to", 1);
-    if (fields & PROTO_TRANSPORT_FIELD_DISTANCE) {
-        proto_write_key(writer, "distance");
-        proto_write_number(writer, transport->distance);
-    }
+    if (fields & PROTO_TRANSPORT_FIELD_DISTANCE) proto_member_number(writer, "distance", transport->distance);
     if (fields) proto_reason_encode(writer, transport->distance);
     if (fields & PROTO_TRANSPORT_FIELD_VECTORS) encode_vectors(transport, writer);
     proto_write_object_end(writer);
