@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "proto/cut.h"
+#include "server/handlers/curve_call.h"
 #include "server/handlers/making.h"
 #include "server/handlers/query.h"
 #include "server/handlers/request.h"
@@ -16,7 +17,6 @@
 #define BYTES_AN_EDGE 320 /* a search for the curve, or the cut and its pieces */
 #define BYTES_A_CUT   ((size_t)1 << 20)
 #define CURVE_SHARE   0.5 /* of the work */
-#define WHAT          "the cut"
 
 struct cut {
     struct server_query query; /* first */
@@ -34,54 +34,26 @@ struct cut {
 
 /* --- the cut ------------------------------------------------------------------------------------------------------ */
 
-struct cutting {
-    struct cut *cut;
-    const struct gd_landmarks *landmarks;
-    struct server_monitor part; /* the call's */
-    bool has_curve;             /* the curve is not what failed */
-    struct gd_detail detail;
-};
-
-static enum gd_status cut_mesh(void *user, const struct gd_control *control, size_t *kept)
+static enum gd_status cut_mesh(struct server_query *query, struct gd_curve *curve, const struct gd_control *control,
+                               struct gd_detail *detail, size_t *kept)
 {
-    struct cutting *cutting = user;
-    struct cut *cut = cutting->cut;
-    const struct gd_mesh *mesh = cut->query.surface->mesh;
-    struct gd_curve curve;
-    enum gd_status status =
-        proto_curve_resolve(mesh, &cut->curve, cutting->landmarks, control, &curve, &cutting->detail);
-    cutting->has_curve = !status;
-    if (status) return status;
+    struct cut *cut = (struct cut *)query;
     const struct gd_cut_request request = {
-        .curve = &curve, .inside = cut->has_inside ? &cut->inside : NULL, .select_only = cut->select_only};
-    cutting->part = server_query_monitor(&cut->query, CURVE_SHARE, 1 - CURVE_SHARE);
-    status = gd_cut_along(mesh, &request, control, &cut->cut, &cutting->detail);
-    gd_curve_free(&curve);
+        .curve = curve, .inside = cut->has_inside ? &cut->inside : NULL, .select_only = cut->select_only};
+    enum gd_status status = gd_cut_along(query->surface->mesh, &request, control, &cut->cut, detail);
     if (!status) *kept = cut->cut.bytes;
     return status;
 }
 
-static bool refuse(struct cutting *cutting, enum gd_status status, struct proto_problem *problem)
-{
-    if (status == GD_BUDGET || cutting->detail.text[0] == '\0') {
-        server_query_fail(&cutting->cut->query, status, WHAT, problem);
-        return false;
-    }
-    server_query_count(&cutting->cut->query, status);
-    if (!cutting->has_curve) return proto_curve_fail(&cutting->cut->curve, status, &cutting->detail, problem);
-    return proto_problem_from_status(problem, status, &cutting->detail);
-}
-
 static bool make_cut(struct cut *cut, struct proto_problem *problem)
 {
-    struct server_landmark_set *set = server_landmarks_find(cut->query.exchange->server->landmarks, cut->query.surface);
-    struct cutting cutting = {.cut = cut,
-                              .landmarks = set ? set->landmarks : NULL,
-                              .part = server_query_monitor(&cut->query, 0, CURVE_SHARE)};
-    size_t grant = BYTES_A_CUT + gd_mesh_summary(cut->query.surface->mesh)->edges * (size_t)BYTES_AN_EDGE;
-    enum gd_status status = server_query_call(&cut->query, &cutting.part, cut_mesh, &cutting, grant);
-    server_landmark_set_release(set);
-    return !status || refuse(&cutting, status, problem);
+    size_t edges = gd_mesh_summary(cut->query.surface->mesh)->edges;
+    const struct server_curve_call call = {.curve = &cut->curve,
+                                           .make = cut_mesh,
+                                           .grant = BYTES_A_CUT + edges * BYTES_AN_EDGE,
+                                           .share = CURVE_SHARE,
+                                           .what = "the cut"};
+    return server_curve_call_make(&cut->query, &call, problem);
 }
 
 /* --- the meshes --------------------------------------------------------------------------------------------------- */
