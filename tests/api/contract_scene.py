@@ -5,13 +5,13 @@ A new operation needs nothing here when its parameters and its body have example
 job. What these can't tell stands in the tables below.
 """
 import json
-import time
 import typing
 import urllib.parse
 
+from harness import header_fields, wait_until
+
 JSON = {"Content-Type": "application/json"}
 FIELD = b'{"set": {"points": [{"vertex": 0}]}}'
-PATIENCE_SECONDS = 30
 
 
 class Ask(typing.NamedTuple):
@@ -25,8 +25,7 @@ class Ask(typing.NamedTuple):
     def plus(self, body=None, query="", **headers):
         """The same with other headers (`If_Match` is If-Match; None takes one away), more of a query, or another body."""
         sign = "&" if "?" in self.target else "?"
-        named = {name.replace("_", "-"): value for name, value in headers.items()}
-        merged = {name: value for name, value in {**self.headers, **named}.items() if value is not None}
+        merged = {name: value for name, value in {**self.headers, **header_fields(headers)}.items() if value is not None}
         return Ask(self.method, self.target + (sign + query if query else ""), self.body if body is None else body, merged)
 
 
@@ -82,9 +81,7 @@ class Scene:
 
     def end_of_job(self, accepted):
         """The job's id, or the batch's, once it has ended."""
-        until = time.monotonic() + PATIENCE_SECONDS
-        while (job := self.must("GET", accepted.headers["Location"]).json)["state"] in ("queued", "running"):
-            assert time.monotonic() < until, job
+        job = wait_until(lambda: (job := self.must("GET", accepted.headers["Location"]).json)["state"] not in ("queued", "running") and job)
         return job["id"]
 
     def path(self, operation):

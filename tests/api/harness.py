@@ -60,6 +60,16 @@ def hold_against_contract(method, path, answer):
         raise AssertionError("not as the contract says: " + "; ".join(faults))
 
 
+def wait_until(look, seconds=PATIENCE_SECONDS):
+    """What the function finds, once that is something; it is asked again and again."""
+    until = time.monotonic() + seconds
+    while not (found := look()):
+        if time.monotonic() > until:
+            raise TimeoutError(f"after {seconds} seconds there is still {found!r}")
+        time.sleep(0.005)
+    return found
+
+
 class Daemon:
     """A running daemon, and a context manager that stops it. `log` is what it has logged so far."""
 
@@ -169,12 +179,12 @@ class Daemon:
 
     def wait_for(self, name, least=1):
         """Until the metric has that value; returns it."""
-        until = time.monotonic() + PATIENCE_SECONDS
-        while (value := self.metric(name)) < least:
-            if time.monotonic() > until:
-                raise TimeoutError(f"{name} is {value}")
-            time.sleep(0.005)
-        return value
+        return wait_until(lambda: (value := self.metric(name)) >= least and value)
+
+    def ended(self, accepted):
+        """The job that a request was accepted as, once it has ended."""
+        assert accepted.status == 202, accepted
+        return wait_until(lambda: (job := self.get(accepted.headers["Location"]).json)["state"] not in ("queued", "running") and job)
 
     def terminate(self):
         self.process.send_signal(signal.SIGTERM)
@@ -183,12 +193,7 @@ class Daemon:
         """Sends SIGHUP; the event that the daemon logs about it."""
         before = len(self.reloads())
         self.process.send_signal(signal.SIGHUP)
-        until = time.monotonic() + PATIENCE_SECONDS
-        while len(self.reloads()) == before:
-            if time.monotonic() > until:
-                raise TimeoutError("nothing was logged of a reload")
-            time.sleep(0.005)
-        return self.reloads()[-1]
+        return wait_until(lambda: self.reloads()[before:])[-1]
 
     def reloads(self):
         return [line for line in self.log if line["event"] in ("reloaded", "reload_failed")]

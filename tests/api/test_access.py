@@ -10,7 +10,7 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, header_fields, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, TestCase, header_fields, sample, wait_until
 
 
 def digest(key):
@@ -57,11 +57,7 @@ class Keyed(TestCase):
 
     def logged(self, request_id):
         """The line of a request, which is written a little later."""
-        until = time.monotonic() + PATIENCE_SECONDS
-        while not (found := [entry for entry in self.daemon.log if entry.get("request_id") == request_id]):
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.005)
-        return found[0]
+        return wait_until(lambda: [entry for entry in self.daemon.log if entry.get("request_id") == request_id])[0]
 
 
 class Roles(Keyed):
@@ -198,10 +194,7 @@ class Limits(Keyed):
         self.assertEqual(job.status, 202)
         self.assert_problem(self.ask("GET", "/v1", "single"), 429, "rate_limited")
         self.assertEqual(self.ask("DELETE", job.headers["Location"], "fast").status, 204)
-        until = time.monotonic() + PATIENCE_SECONDS
-        while self.ask("GET", "/v1", "single").status != 200:
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.01)
+        wait_until(lambda: self.ask("GET", "/v1", "single").status == 200)
 
 
 class Reload(Keyed):

@@ -8,21 +8,13 @@ import time
 import unittest
 import zlib
 
-from harness import SEARCHES, TWO_TRIANGLES, Daemon, TestCase, sample
+from harness import SEARCHES, TWO_TRIANGLES, Daemon, TestCase, header_fields, sample, wait_until
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
 
 
 def lines_of(*documents):
     return "".join(json.dumps(document) + "\n" for document in documents)
-
-
-def wait_until(condition, seconds=60):
-    until = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > until:
-            raise TimeoutError(condition)
-        time.sleep(0.01)
 
 
 class Batches(TestCase):
@@ -33,8 +25,7 @@ class Batches(TestCase):
         cls.daemon.put("apart", TWO_TRIANGLES)
 
     def batch(self, mesh, body, query="", **headers):
-        headers = {name.replace("_", "-"): value for name, value in headers.items()}
-        return self.daemon.request("POST", f"/v1/meshes/{mesh}/batch{query}", body, {**NDJSON, **headers})
+        return self.daemon.request("POST", f"/v1/meshes/{mesh}/batch{query}", body, {**NDJSON, **header_fields(headers)})
 
     def answers(self, mesh, body, query=""):
         answer = self.batch(mesh, body, query)
@@ -199,7 +190,7 @@ class Batches(TestCase):
         row = {"query": "matrix", "sources": many, "targets": many}
         started = self.batch("ball", lines_of(row, row, row), Prefer="respond-async")
         self.assertEqual(started.status, 202)
-        wait_until(lambda: self.daemon.get(started.headers["Location"]).json["state"] == "done")
+        self.assertEqual(self.daemon.ended(started)["state"], "done")
         found = [json.loads(line) for line in self.daemon.get(started.headers["Location"] + "/result").body.splitlines()]
         self.assertEqual([answer["status"] for answer in found], [200, 413, 413])
         self.assertEqual(self.assert_line(found[1], 413, "too_large", 2)["limit"], 64 << 20)
@@ -253,7 +244,7 @@ class Streams(TestCase):
         body = lines_of(*({"query": "path", "from": {"vertex": numbers.randrange(642)}, "to": {"vertex": numbers.randrange(642)}}
                           for _ in range(500)))
         started = self.daemon.request("POST", "/v1/meshes/ball/batch", body, {**NDJSON, "Prefer": "respond-async"})
-        wait_until(lambda: self.daemon.get(started.headers["Location"]).json["state"] == "done")
+        self.assertEqual(self.daemon.ended(started)["state"], "done")
         whole = self.daemon.get(started.headers["Location"] + "/result").body
         for coding in ("identity", "gzip"):
             _, answer = self.begin("ball", body, **{"Accept-Encoding": coding})

@@ -7,7 +7,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, SQUARE, TETRAHEDRON, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, SQUARE, TETRAHEDRON, Daemon, TestCase, sample, wait_until
 
 ASYNC = {"Prefer": "respond-async"}
 JSON = {"Content-Type": "application/json"}
@@ -233,10 +233,7 @@ class Work(Jobs):
             self.daemon.request("DELETE", f"/v1/jobs/{job['id']}")
 
     def wait_until_idle(self):
-        until = time.monotonic() + PATIENCE_SECONDS
-        while self.daemon.metric("requests_deferred"):
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.001)
+        wait_until(lambda: self.daemon.metric("requests_deferred") == 0)
 
     def seconds_until_idle(self):
         started = time.monotonic()
@@ -400,10 +397,7 @@ class Work(Jobs):
         self.assertEqual(self.daemon.wait_for("event_streams", 200), 200)
         for watch in watches[:100]:
             watch.close()
-        until = time.monotonic() + 5
-        while self.daemon.metric("event_streams") > 100:
-            self.assertLess(time.monotonic(), until, "who went away is still watched for")
-            time.sleep(0.01)
+        wait_until(lambda: self.daemon.metric("event_streams") <= 100, 5)  # who went away is not watched for
         self.cancel(location)
         for watch in watches[100:]:
             *_, (event, data) = watch.events
@@ -422,10 +416,7 @@ class Work(Jobs):
         stays, goes = Watch(self.daemon, queued), Watch(self.daemon, queued)
         next(stays.events)
         goes.close()
-        until = time.monotonic() + 5
-        while self.daemon.metric("event_streams") > 1:
-            self.assertLess(time.monotonic(), until, "who went away is still watched for")
-            time.sleep(0.01)
+        wait_until(lambda: self.daemon.metric("event_streams") <= 1, 5)  # who went away is not watched for
         self.cancel(queued)
         *_, (event, data) = stays.events
         self.assertEqual((event, data["state"]), ("done", "cancelled"))
@@ -454,10 +445,7 @@ class Expiry(Jobs):
         self.wait(location, "done")
         time.sleep(1.05)
         self.assert_problem(self.daemon.get(location), 404, "not_found")
-        until = time.monotonic() + 5
-        while 'class="jobs"} 0\n' not in self.daemon.get("/metrics").body.decode():
-            self.assertLess(time.monotonic(), until, "its answer is still there")
-            time.sleep(0.05)
+        wait_until(lambda: b'class="jobs"} 0\n' in self.daemon.get("/metrics").body, 5)  # its answer has gone, too
 
     def test_the_oldest_go_when_there_are_too_many(self):
         self.daemon.put("square", SQUARE)

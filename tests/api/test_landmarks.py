@@ -5,7 +5,7 @@ import re
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, SQUARE, Daemon, Folder, TestCase, sample
+from harness import PATIENCE_SECONDS, SQUARE, Daemon, Folder, TestCase, sample, wait_until
 
 
 def rough():
@@ -102,8 +102,7 @@ class Life(TestCase):
         self.assertRegex(self.daemon.get("/metrics").body.decode(), r'memory_bytes\{class="landmarks"\} [1-9]')
 
     def wait_idle(self):
-        while self.daemon.metric("workers_background"):
-            pass
+        wait_until(lambda: self.daemon.metric("workers_background") == 0)
 
     def test_requests_do_not_wait_for_them(self):
         """With a single worker: the background runs the requests between two steps of its own."""

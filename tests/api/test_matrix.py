@@ -9,7 +9,7 @@ import threading
 import time
 import unittest
 
-from harness import SQUARE, TWO_TRIANGLES, Daemon, TestCase, sample
+from harness import SQUARE, TWO_TRIANGLES, Daemon, TestCase, header_fields, sample, wait_until
 
 
 def vertices(numbers):
@@ -168,9 +168,7 @@ class Forms(TestCase):
         cls.daemon.put("apart", TWO_TRIANGLES)
 
     def post(self, mesh, document, query="", **headers):
-        headers = {name.replace("_", "-"): value for name, value in headers.items()}
-        return self.daemon.request("POST", f"/v1/meshes/{mesh}/matrix{query}", json.dumps(document),
-                                   {"Content-Type": "application/json", **headers})
+        return self.daemon.ask(mesh, f"matrix{query}", document, header_fields(headers))
 
     def test_bytes(self):
         document = {"sources": vertices([0, 3, 1]), "targets": vertices([4, 1])}
@@ -250,10 +248,7 @@ class Limits(TestCase):
         with socket.create_connection(("127.0.0.1", self.daemon.port)) as connection:
             connection.sendall(head.encode() + body)
             time.sleep(0.3)
-        until = time.monotonic() + 20
-        while self.daemon.metric("workers_busy") > 0 and time.monotonic() < until:
-            time.sleep(0.01)
-        self.assertLess(time.monotonic(), until)
+        wait_until(lambda: self.daemon.metric("workers_busy") == 0, 20)
 
     def test_others_are_answered_meanwhile(self):
         """Helpers go back into the queue after each row, so a long matrix leaves one of the two workers to others."""

@@ -11,7 +11,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, Daemon
+from harness import PATIENCE_SECONDS, Daemon, wait_until
 from test_hostile import ATTACKS, GET, HIDDEN
 
 CONFIGURATION = """
@@ -122,9 +122,7 @@ class Smuggling(unittest.TestCase):
         for number, text in enumerate(attacks):
             self.ask(text + HIDDEN)
             self.assert_stranger_is_served(number)
-        until = time.monotonic() + PATIENCE_SECONDS
-        while self.accepted() != self.taken() and time.monotonic() < until:  # both write their logs a little later
-            time.sleep(0.05)
+        wait_until(lambda: self.accepted() == self.taken())  # both write their logs a little later
         taken, forwarded = self.taken(), self.proxy.forwarded()
         self.assertEqual(self.accepted(), taken)
         self.assertGreaterEqual(len(taken), len(attacks))  # the strangers

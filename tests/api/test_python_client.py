@@ -3,11 +3,10 @@ import os
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 import scenario
-from harness import PATIENCE_SECONDS, SQUARE, Daemon, TestCase, sample
+from harness import SQUARE, Daemon, TestCase, sample, wait_until
 
 sys.path.insert(0, str(scenario.CLIENTS / "python"))
 import geodesicd  # noqa: E402
@@ -127,12 +126,12 @@ class Meshes(TestCase):
             failed.response()
         self.assertEqual(self.client.job(failed.id).state, "failed")
 
+    def ended(self, batch):
+        return wait_until(lambda: (now := self.client.batch(batch["id"]))["state"] != "running" and now)
+
     def test_batches(self):
         batch = self.client.create_batch({"query": "all-pairs", "mesh": "square", "vertices": [0, 1, 2]})
-        until = time.monotonic() + PATIENCE_SECONDS
-        while batch["state"] == "running" and time.monotonic() < until:
-            time.sleep(0.02)
-            batch = self.client.batch(batch["id"])
+        batch = self.ended(batch)
         self.assertEqual((batch["state"], batch["items"], batch["done"], batch["failed"]), ("done", 3, 3, 0))
         rows = [item["answer"]["distances"][0] for item in self.client.batch_results(batch["id"])]
         for row, expected in zip(rows, ([0, 1, 2**0.5], [1, 0, 1], [2**0.5, 1, 0])):
@@ -145,9 +144,7 @@ class Meshes(TestCase):
 
     def test_results_of_batches_go_over_pages(self):
         many = self.client.create_batch({"query": "fields", "meshes": ["nobody"] * 150, "set": {"points": [{"vertex": 0}]}})
-        until = time.monotonic() + PATIENCE_SECONDS
-        while self.client.batch(many["id"])["state"] == "running" and time.monotonic() < until:
-            time.sleep(0.02)
+        self.ended(many)
         results = list(self.client.batch_results(many["id"]))
         self.assertEqual([result["item"] for result in results], list(range(150)))
         self.assertEqual({result["problem"]["code"] for result in results}, {"not_found"})

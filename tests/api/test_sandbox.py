@@ -1,14 +1,12 @@
 """The daemon in its sandbox, seen from outside. What a process in it can't do is tried by tests/unit/server/test_sandbox.c."""
 import pathlib
 import platform
-import signal
 import socket
 import subprocess
 import tempfile
-import time
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, Daemon, Folder
+from harness import PROGRAM, SQUARE, Daemon, Folder
 
 ASK = "/v1/meshes/a/distance?from=v:0&to=v:2"
 
@@ -73,10 +71,7 @@ class Sandbox(Folder):
             self.assertEqual(daemon.get("/v1", Authorization=f"Bearer {first}").status, 200)
             (keys.parent / "new").write_text(other + "\n")
             (keys.parent / "new").rename(keys)
-            daemon.process.send_signal(signal.SIGHUP)
-            until = time.monotonic() + PATIENCE_SECONDS
-            while not any(entry["event"] in ("reloaded", "reload_failed") for entry in daemon.log) and time.monotonic() < until:
-                time.sleep(0.01)
+            daemon.reload()
             self.assertEqual(daemon.get("/v1", Authorization=f"Bearer {first}").status, 401)
             self.assertEqual(daemon.get("/v1", Authorization=f"Bearer {second}").status, 200)
 

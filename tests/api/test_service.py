@@ -16,7 +16,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SEARCHES, SQUARE, Daemon, TestCase, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SEARCHES, SQUARE, Daemon, TestCase, sample, wait_until
 
 
 def slow_mesh():
@@ -223,11 +223,7 @@ class Service(TestCase):
     def test_log(self):
         trace = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"
         self.daemon.get('/v1/meshes/no"body\\', X_Request_Id="logged", traceparent=trace)
-        deadline = time.monotonic() + 5
-        while not (found := [line for line in self.daemon.log if line.get("request_id") == "logged"]):
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        line = found[0]
+        line, = wait_until(lambda: [line for line in self.daemon.log if line.get("request_id") == "logged"], 5)
         self.assertEqual((line["status"], line["code"], line["traceparent"]), (400, "invalid_request", trace))
 
     def test_options(self):

@@ -13,7 +13,7 @@ import tarfile
 import threading
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, TestCase, sample
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, TestCase, header_fields, sample
 from test_batches import begin, results, wait
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -66,7 +66,7 @@ class Conditions(TestCase):
 
     def test_writing(self):
         put, delete = self.daemon.put, lambda name, **headers: self.daemon.request(
-            "DELETE", f"/v1/meshes/{name}", headers={key.replace("_", "-"): text for key, text in headers.items()})
+            "DELETE", f"/v1/meshes/{name}", headers=header_fields(headers))
         etag = put("written", SQUARE, If_None_Match="*").headers["ETag"]
         self.assert_problem(put("written", SQUARE, If_None_Match="*"), 412, "precondition_failed")
         self.assert_problem(put("written", TETRAHEDRON, If_Match=f"W/{etag}"), 412, "precondition_failed")
