@@ -7,8 +7,7 @@
 
 /* --- building ------------------------------------------------------------------------------------------------------------ */
 
-static enum gd_status check_request(const struct gd_mesh *mesh, const struct gd_field_request *request,
-                                    struct gd_detail *detail)
+static enum gd_status check_request(const struct gd_field_request *request, struct gd_detail *detail)
 {
     if (!request->seed_count) return gd_fail(detail, GD_INVALID_ARGUMENT, "a field needs at least one source point");
     if (!(request->radius >= 0))
@@ -17,47 +16,6 @@ static enum gd_status check_request(const struct gd_mesh *mesh, const struct gd_
         if (!(request->seeds[i].offset >= 0 && isfinite(request->seeds[i].offset)))
             return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
                            i);
-    for (uint32_t i = 0; i < request->seed_count; i++) {
-        const struct gd_seed *seed = &request->seeds[i];
-        struct gd__home home;
-        if (seed->is_segment && !gd__segment_home(mesh, &seed->point, &seed->end, &home))
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "source %u: a segment must join two different points of one face", i);
-    }
-    return GD_OK;
-}
-
-static int by_face(const void *a, const void *b)
-{
-    const struct gd__face_seed *x = a, *y = b;
-    if (x->face != y->face) return x->face < y->face ? -1 : 1;
-    return (x->seed > y->seed) - (x->seed < y->seed);
-}
-
-/* The faces that contain a seed inside of them; at most two, GD_NONE fills. */
-static void faces_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t faces[2])
-{
-    struct gd__home home = {GD_NONE, GD_NONE};
-    if (!seed->is_segment && seed->point.kind == GD_POINT_FACE) home.face = seed->point.element;
-    if (!seed->is_segment && seed->point.kind == GD_POINT_EDGE) home.edge = seed->point.element;
-    if (seed->is_segment && !gd__segment_home(mesh, &seed->point, &seed->end, &home)) home.face = GD_NONE;
-    for (uint32_t k = 0; k < 2; k++) faces[k] = home.edge == GD_NONE ? GD_NONE : mesh->side_face[2 * home.edge + k];
-    if (home.face != GD_NONE) faces[0] = home.face;
-}
-
-enum gd_status gd__field_index_seeds(struct gd_field *field)
-{
-    const struct gd_mesh *mesh = field->mesh;
-    field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
-    if (!field->face_seeds) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < field->seed_count; i++) {
-        uint32_t faces[2];
-        field->has_segments |= field->seeds[i].is_segment;
-        faces_of_seed(mesh, &field->seeds[i], faces);
-        for (int k = 0; k < 2; k++)
-            if (faces[k] != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){faces[k], i};
-    }
-    qsort(field->face_seeds, field->face_seed_count, sizeof *field->face_seeds, by_face);
     return GD_OK;
 }
 
@@ -75,6 +33,16 @@ static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_r
         if (from->is_segment) seed->end = from->end;
     }
     return gd__field_index_seeds(field);
+}
+
+/* Of what copy_seeds refused. */
+static enum gd_status fail_on_segments(const struct gd_field *field, struct gd_detail *detail)
+{
+    uint32_t i = 0;
+    struct gd__home home;
+    for (const struct gd__seed *seed = field->seeds; i < field->seed_count; i++, seed++)
+        if (seed->is_segment && !gd__segment_home(field->mesh, &seed->point, &seed->end, &home)) break;
+    return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: a segment must join two different points of one face", i);
 }
 
 size_t gd__field_bytes(const struct gd_field *field)
@@ -141,8 +109,6 @@ enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__prop
 static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request, bool without_wedges,
                                 const struct gd_control *control, const struct gd_executor *executor)
 {
-    enum gd_status status = copy_seeds(field, request);
-    if (status) return status;
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
                                           .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
@@ -155,17 +121,22 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
                             const struct gd_control *control, const struct gd_executor *executor, struct gd_field **out,
                             struct gd_detail *detail)
 {
-    enum gd_status status = check_request(mesh, request, detail);
+    enum gd_status status = check_request(request, detail);
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    status = propagate(field, request, without_wedges, control, executor);
-    if (status) {
-        gd_field_release(field);
-        return gd_fail(detail, status, "%s", gd_status_sentence(status));
+    status = copy_seeds(field, request);
+    if (status == GD_INVALID_ARGUMENT) {
+        fail_on_segments(field, detail);
+    } else {
+        if (!status) status = propagate(field, request, without_wedges, control, executor);
+        if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
-    *out = field;
-    return GD_OK;
+    if (status)
+        gd_field_release(field);
+    else
+        *out = field;
+    return status;
 }
 
 enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
@@ -286,19 +257,6 @@ bool gd_field_single_seed(const struct gd_field *field, struct gd_point *out)
 double gd_field_reach(const struct gd_field *field)
 {
     return field->reach < GD__FAR ? field->reach * field->mesh->unit : INFINITY;
-}
-
-const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
-{
-    uint32_t lo = 0, hi = field->face_seed_count;
-    while (lo < hi) {
-        uint32_t middle = lo + (hi - lo) / 2;
-        if (field->face_seeds[middle].face < face)
-            lo = middle + 1;
-        else
-            hi = middle;
-    }
-    return field->face_seeds + lo;
 }
 
 enum gd_status gd_field_distance(const struct gd_field *field, const struct gd_point *point, double *out)

@@ -78,13 +78,13 @@ GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field, const str
 /* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory. */
 struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
-/* field.c: fills face_seeds from the seeds. GD_NO_MEMORY. */
-enum gd_status gd__field_index_seeds(struct gd_field *field);
+/* face_seeds.c: fills face_seeds from the seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: a segment that lies in no face. O(n). */
+GD_MUST_USE enum gd_status gd__field_index_seeds(struct gd_field *field);
 
 /* field.c: what the arrays take. */
 size_t gd__field_bytes(const struct gd_field *field);
 
-/* The first of face_seeds that lies in `face`; those after it with the same face follow. */
+/* face_seeds.c: the first of face_seeds that lies in `face`; those after it with the same face follow. */
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face);
 
 /* How the shortest path to a point ends: its last leg. */

@@ -21,6 +21,12 @@ static inline struct gd__local gd__face_local(const struct gd_mesh *mesh, uint32
     return gd__side_local(&mesh->side[side], weight[1], weight[2]);
 }
 
+/* Which of a face's three sides lies on an edge; 0 where none does. Without branches: it is as likely any. */
+static inline int gd__place_of_edge(const uint32_t side[3], uint32_t edge)
+{
+    return (side[1] >> 1 == edge) + 2 * (side[2] >> 1 == edge);
+}
+
 /* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it; all 0 in any other. */
 void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
 

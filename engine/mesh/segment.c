@@ -11,12 +11,16 @@ static bool is_on_edge(const struct gd_mesh *mesh, const struct gd_point *point,
 
 bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *point)
 {
-    for (uint32_t k = 0; k < 3 && point->kind != GD_POINT_FACE; k++) {
-        uint32_t side = mesh->face_side[face][k];
-        if (point->kind == GD_POINT_EDGE ? side >> 1 == point->element : mesh->origin[side] == point->element)
-            return true;
+    const uint32_t *side = mesh->face_side[face], element = point->element;
+    switch (point->kind) {
+    case GD_POINT_VERTEX:
+        return mesh->origin[side[0]] == element || mesh->origin[side[1]] == element || mesh->origin[side[2]] == element;
+    case GD_POINT_EDGE:
+        return side[gd__place_of_edge(side, element)] >> 1 == element;
+    case GD_POINT_FACE:
+        return element == face;
     }
-    return point->kind == GD_POINT_FACE && point->element == face;
+    return false;
 }
 
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)

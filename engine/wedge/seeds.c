@@ -1,6 +1,9 @@
 #include "mesh/segment.h"
 #include "wedge/wavefront.h"
 
+#define ARRAYS       6 /* of struct gd__windows */
+#define BLOCKS_AHEAD 2
+
 /* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
  * behind it at right angles. A joint, where segments of a curve end, sees only what lies behind the ends of all of them: in any other direction a
  * place of one of them is nearer (first variation of length). */
@@ -59,9 +62,10 @@ static struct joint joint_of(const struct gd__wavefront *front, struct laying *l
     return joint;
 }
 
-/* A part of a side, in parts of its length from its origin. */
-struct part {
-    double from, to;
+/* Where the segments of a joint go off from it, in the frame of a side: unit vectors. */
+struct spread {
+    struct gd__local along[2];
+    int count;
 };
 
 static struct gd__local turned(struct gd__local along, double by)
@@ -69,25 +73,67 @@ static struct gd__local turned(struct gd__local along, double by)
     return (struct gd__local){by * along.x, by * along.y};
 }
 
-/* What of the side from `origin` to `destination` lies behind a joint at `at`, whose segment goes off along `along`. */
-static void keep_behind(struct part *part, struct gd__local at, struct gd__local along, struct gd__local origin,
-                        struct gd__local destination)
+static double along(struct gd__local direction, struct gd__local v)
 {
-    double first = (origin.x - at.x) * along.x + (origin.y - at.y) * along.y,
-           last = (destination.x - at.x) * along.x + (destination.y - at.y) * along.y;
+    return direction.x * v.x + direction.y * v.y;
+}
+
+/* Whether one of the segments is nearer to a place, at `v` from the joint, than the joint is, and by more than rounding. */
+static bool is_ahead(const struct spread *spread, struct gd__local v)
+{
+    double beside = GD_TOL_ONWARD * (fabs(v.x) + fabs(v.y));
+    for (int i = 0; i < spread->count; i++)
+        if (along(spread->along[i], v) > beside) return true;
+    return false;
+}
+
+/* Two segments that go on straight: what lies behind both is a line. */
+static bool is_straight(const struct spread *spread)
+{
+    const struct gd__local *a = &spread->along[0], *b = &spread->along[1];
+    return spread->count == 2 && along(*a, *b) < 0 && fabs(a->x * b->y - a->y * b->x) <= GD_TOL_ONWARD;
+}
+
+/* A part of a side, in parts of its length from its origin. */
+struct part {
+    double from, to;
+};
+
+/* Keeps what is not ahead, where its ends are so far ahead of a joint. */
+static void keep_behind(struct part *part, double first, double last)
+{
     if (first <= 0 && last <= 0) return;
     double crossing = first > 0 && last > 0 ? 1 : first / (first - last);
     if (first > 0)
-        part->from = fmax(part->from, crossing);
+        part->from = part->from > crossing ? part->from : crossing;
     else
-        part->to = fmin(part->to, crossing);
+        part->to = part->to < crossing ? part->to : crossing;
+}
+
+/* What of the side from `origin` to `destination`, as seen from a joint, lies behind all its segments. */
+static struct part part_behind(const struct spread *spread, struct gd__local origin, struct gd__local destination)
+{
+    struct part part = {0, 1};
+    for (int i = 0; i < spread->count; i++)
+        keep_behind(&part, along(spread->along[i], origin), along(spread->along[i], destination));
+    return part;
 }
 
 /* --- points -------------------------------------------------------------------------------------------------------------- */
 
+/* Most windows begin a list, in a block of the pool that nobody has seen for long: asks for the lines that one some windows on will fill. Inlined, as GCC
+ * takes a function that does nothing else for one without effects. */
+static inline __attribute__((always_inline)) void prefetch_block(const struct gd__pool *pool)
+{
+    const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double); /* of a block for one window: two groups */
+    for (size_t i = 0; i < ARRAYS; i++)
+        __builtin_prefetch(pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM + i * array, 1);
+}
+
 /* Offers a side a seed's window. */
 static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
+    prefetch_block(&front->work->pool);
     struct gd__receiver to = gd__wavefront_receiver(front, side);
     gd__wavefront_offer(front, &to, window);
 }
@@ -107,14 +153,30 @@ static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t sid
     seed_side(front, side ^ 1, &window);
 }
 
-/* Straight to the apex of `side`, a side of the seed's face. */
-static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at)
+/* From a place in the frame of `side` to the apex. */
+static struct gd__local to_apex(const struct gd_side *s, struct gd__local at)
 {
-    const struct gd_side *s = &front->mesh->side[side];
-    double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
+    return (struct gd__local){s->left_length * s->left_x - at.x, s->left_length * s->left_y - at.y};
+}
+
+/* Straight to the apex of `side`, a side of the seed's face, unless a segment is nearer. */
+static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at,
+                      const struct spread *spread)
+{
+    struct gd__local way = to_apex(&front->mesh->side[side], at);
+    if (is_ahead(spread, way)) return;
     struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
-    gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + sqrt(dx * dx + dy * dy),
-                        birth);
+    gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
+                        front->seeds[seed].offset + sqrt(way.x * way.x + way.y * way.y), birth);
+}
+
+/* In the frame of side k of the face that the joint lies in. */
+static struct spread spread_in_face(const struct joint *joint, int k)
+{
+    struct spread spread = {.count = joint->count};
+    for (int i = 0; i < joint->count; i++)
+        spread.along[i] = turned(joint->segment[i]->chord[k].along, joint->turned[i]);
+    return spread;
 }
 
 static void seed_face(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
@@ -124,25 +186,19 @@ static void seed_face(struct gd__wavefront *front, struct laying *laying, uint32
     const uint32_t *sides = mesh->face_side[point->element];
     const struct joint joint = joint_of(front, laying, seed);
     struct gd__local at[3];
+    struct spread spread[3];
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        seed_apex(front, seed, sides[k], at[k]);
+        spread[k] = spread_in_face(&joint, k);
+        seed_apex(front, seed, sides[k], at[k], &spread[k]);
     }
-    for (int k = 0; k < 3; k++) {
-        struct gd__local origin = {0, 0}, destination = {mesh->side[sides[k]].length, 0};
-        struct part part = {0, 1};
-        for (int i = 0; i < joint.count; i++)
-            keep_behind(&part, at[k], turned(joint.segment[i]->chord[k].along, joint.turned[i]), origin, destination);
-        seed_across(front, seed, sides[k], at[k], part);
+    for (int k = 0; k < 3 && !is_straight(&spread[0]); k++) {
+        struct gd__local origin = {-at[k].x, -at[k].y}, destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
+        seed_across(front, seed, sides[k], at[k], part_behind(&spread[k], origin, destination));
     }
 }
 
-/* Where the segments of a joint on an edge go off, in the frame of one side of it: the face across is laid beside its own. */
-struct spread {
-    struct gd__local along[2];
-    int count;
-};
-
+/* In the frame of one side of an edge, in which the face across is laid beside its own. */
 static struct gd__local direction_from_edge(const struct gd__wavefront *front, uint32_t side, const struct laid *laid)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -153,8 +209,8 @@ static struct gd__local direction_from_edge(const struct gd__wavefront *front, u
         return (struct gd__local){copysign(1, side & 1 ? -x : x), 0};
     }
     const uint32_t *sides = mesh->face_side[laid->home.face];
-    int k = sides[0] >> 1 == side >> 1 ? 0 : sides[1] >> 1 == side >> 1 ? 1 : 2;
-    return turned(laid->chord[k].along, sides[k] == side ? 1 : -1);
+    int k = gd__place_of_edge(sides, side >> 1);
+    return turned(laid->chord[k].along, 1 - 2 * (double)(sides[k] != side));
 }
 
 static struct spread spread_from_edge(const struct gd__wavefront *front, struct laying *laying, uint32_t seed,
@@ -173,38 +229,42 @@ static struct spread seen_from_other_side(struct spread spread)
     return spread;
 }
 
-/* From a point of an edge into the face of one of its sides: the apex and the two other sides. */
-static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t, struct spread spread)
+/* From a point of an edge across the two other sides of the face of one of its sides. */
+static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
+                           const struct spread *spread)
 {
     const struct gd_mesh *mesh = front->mesh;
     if (gd__side_is_boundary(mesh, side)) return;
     const struct gd_side *s = &mesh->side[side];
-    struct gd__local at = {t, 0}, origin = {0, 0}, destination = {s->length, 0},
-                     apex = {s->left_length * s->left_x, s->left_length * s->left_y};
-    struct part right = {0, 1}, left = {0, 1};
-    seed_apex(front, seed, side, at);
-    for (int i = 0; i < spread.count; i++) {
-        keep_behind(&right, at, spread.along[i], destination, apex);
-        keep_behind(&left, at, spread.along[i], apex, origin);
-    }
+    struct gd__local origin = {-t, 0}, destination = {s->length - t, 0}, apex = to_apex(s, (struct gd__local){t, 0});
     double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination, apex */
     uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
-    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u), right);
-    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u), left);
+    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u), part_behind(spread, destination, apex));
+    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u),
+                part_behind(spread, apex, origin));
+}
+
+/* From a point of an edge to the corners of the face of one of its sides, but for the side's destination. */
+static void seed_corners(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
+                         const struct spread *spread)
+{
+    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
+    if (!is_ahead(spread, (struct gd__local){-t, 0}))
+        gd__wavefront_reach(front, front->mesh->origin[side], front->seeds[seed].offset + t, birth);
+    if (!gd__side_is_boundary(front->mesh, side)) seed_apex(front, seed, side, (struct gd__local){t, 0}, spread);
 }
 
 static void seed_edge(struct gd__wavefront *front, struct laying *laying, uint32_t seed)
 {
-    const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     uint32_t side = 2 * point->element;
-    double length = mesh->side[side].length, t = point->weight[0] * length, offset = front->seeds[seed].offset;
-    struct gd__birth birth = {.side = GD_NONE, .source = mesh->vertex_count + seed};
-    const struct spread spread = spread_from_edge(front, laying, seed, side);
-    gd__wavefront_reach(front, mesh->origin[side], offset + t, birth);
-    gd__wavefront_reach(front, mesh->origin[side ^ 1], offset + (length - t), birth);
-    seed_half_edge(front, seed, side, t, spread);
-    seed_half_edge(front, seed, side ^ 1, length - t, seen_from_other_side(spread));
+    double length = front->mesh->side[side].length, t = point->weight[0] * length;
+    const struct spread spread = spread_from_edge(front, laying, seed, side), other = seen_from_other_side(spread);
+    seed_corners(front, seed, side, t, &spread);
+    seed_corners(front, seed, side ^ 1, length - t, &other);
+    if (is_straight(&spread)) return;
+    seed_half_edge(front, seed, side, t, &spread);
+    seed_half_edge(front, seed, side ^ 1, length - t, &other);
 }
 
 /* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */
@@ -230,27 +290,23 @@ static void seed_along_edge(struct gd__wavefront *front, uint32_t seed, uint32_t
     const struct gd_mesh *mesh = front->mesh;
     double length = mesh->side[2 * edge].length, a = gd__edge_parameter(mesh, edge, &s->point),
            b = gd__edge_parameter(mesh, edge, &s->end);
-    struct gd__window w = {.b0 = fmin(a, b), .b1 = fmax(a, b), .y = 1, .sigma = s->offset};
+    struct gd__window w = {.b0 = a < b ? a : b, .b1 = a < b ? b : a, .y = 1, .sigma = s->offset};
     w.source = linear_source(front, seed);
     struct gd__window mirrored = gd__window_mirrored(&w, length);
     if (!gd__side_is_boundary(mesh, 2 * edge)) seed_side(front, 2 * edge, &w);
     if (!gd__side_is_boundary(mesh, 2 * edge + 1)) seed_side(front, 2 * edge + 1, &mirrored);
 }
 
-/* Out of the segment's face across side k: the part of the edge that lies at right angles to the chord. */
+/* Out of the segment's face across a side of it: the part of the edge that lies at right angles to the chord. */
 static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, const struct gd__chord *chord)
 {
     double length = front->mesh->side[side].length, away = fabs(chord->along.x);
     if (away <= GD_TOL_GRAZING) return;
-    double slope = chord->along.y / chord->along.x, turned = chord->along.x < 0 ? -1 : 1;
-    double ends[2];
-    for (int i = 0; i < 2; i++) {
-        double x = chord->from.x + i * chord->length * chord->along.x,
-               y = chord->from.y + i * chord->length * chord->along.y;
-        ends[i] = length - (x + y * slope);
-    }
-    struct gd__window w = {.b0 = fmax(fmin(ends[0], ends[1]), 0),
-                           .b1 = fmin(fmax(ends[0], ends[1]), length),
+    double slope = chord->along.y / chord->along.x, turned = copysign(1, chord->along.x);
+    double from = length - (chord->from.x + chord->from.y * slope), to = from - chord->length / chord->along.x,
+           b0 = from < to ? from : to, b1 = from < to ? to : from;
+    struct gd__window w = {.b0 = b0 > 0 ? b0 : 0,
+                           .b1 = b1 < length ? b1 : length,
                            .x = turned * chord->along.y,
                            .y = away,
                            .source = linear_source(front, seed)};
@@ -273,9 +329,9 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
 {
     const struct gd_side *s = &front->mesh->side[side];
     struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
-    double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = height > 0 ? 1 : -1;
-    if (!(foot > 0 && foot < chord->length) || height == 0 || is_end(front, seed, gd__side_apex(front->mesh, side)))
-        return;
+    double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = copysign(1, height);
+    bool is_seen = (foot > 0) & (foot < chord->length) & (height != 0);
+    if (!is_seen || is_end(front, seed, gd__side_apex(front->mesh, side))) return;
     struct gd__birth birth = {
         .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side), front->seeds[seed].offset + fabs(height), birth);

@@ -26,16 +26,37 @@ static struct gd_curve random_curve(const struct gd_mesh *mesh, struct rng *rng)
     return curve;
 }
 
-/* Processor time of a field that reaches that far (0: all of it). */
-static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
+/* Processor time of a field. */
+static double build(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
 {
     struct gd_field *field = NULL;
     struct gd_detail detail = {0};
-    const struct gd_field_request request = {.seeds = seeds, .seed_count = count, .radius = radius};
+    const struct gd_field_request request = {.seeds = seeds, .seed_count = count};
     double start = bench_thread_ms();
     bench_require(gd_field_build(mesh, &request, bench_control(), NULL, &field, &detail), &detail);
     double ms = bench_thread_ms() - start;
     gd_field_release(field);
+    return ms;
+}
+
+static bool cancel(void *user, double fraction)
+{
+    (void)user;
+    (void)fraction;
+    return false;
+}
+
+/* Processor time of a field that is cancelled once its first side has been propagated: by then all seeds are checked, sorted by face and emitted. */
+static double begin(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count)
+{
+    struct gd_field *field = NULL;
+    struct gd_control control = *bench_control();
+    control.progress = cancel;
+    const struct gd_field_request request = {.seeds = seeds, .seed_count = count};
+    double start = bench_thread_ms();
+    enum gd_status status = gd_field_build(mesh, &request, &control, NULL, &field, NULL);
+    double ms = bench_thread_ms() - start;
+    if (status != GD_CANCELLED) bench_require(GD_INTERNAL, NULL);
     return ms;
 }
 
@@ -47,13 +68,12 @@ static void measure(const char *name, const struct gd_mesh *mesh, const struct b
     uint32_t count = gd_curve_seed_count(&curve);
     struct gd_seed *seeds = bench_allocate(count * sizeof *seeds);
     double *values = bench_allocate(3 * runs * sizeof *values), *seeding = values, *whole = values + runs,
-           *point = values + 2 * (size_t)runs, least = 1e-12 * gd_mesh_summary(mesh)->edge_length.min;
+           *point = values + 2 * (size_t)runs;
     gd_curve_seeds(&curve, 0, seeds);
     for (uint32_t i = 0; i < runs; i++) {
-        seeding[i] = build(mesh, seeds, count, least) -
-                     build(mesh, seeds, 1, least); /* what a field takes anyway is none of it; the first sides are */
-        whole[i] = build(mesh, seeds, count, 0);
-        point[i] = build(mesh, seeds, 1, 0);
+        seeding[i] = begin(mesh, seeds, count) - begin(mesh, seeds, 1); /* what a field takes anyway is none of it */
+        whole[i] = build(mesh, seeds, count);
+        point[i] = build(mesh, seeds, 1);
     }
     double seeding_ms = bench_median(seeding, runs), field_ms = bench_median(whole, runs);
     bench_print_mesh(name, mesh);
