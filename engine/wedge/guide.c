@@ -26,7 +26,7 @@ enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, 
                                    size_t size)
 {
     if (count < *capacity) return GD_OK;
-    uint32_t larger = *capacity ? 2 * *capacity : 1024;
+    uint32_t larger = count < 512 ? 1024 : 2 * count;
     enum gd_status status = gd_control_afford(guide->control, gd__guide_held(guide) + larger * size);
     if (status) return status;
     void *grown = realloc(*array, larger * size);
@@ -121,7 +121,8 @@ static uint32_t pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && guide->heap[child + 1].key < guide->heap[child].key) child++;
+        child += (child + 1 < count) &
+                 (guide->heap[child + 1].key < guide->heap[child].key); /* the last one is read: no branch */
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];
     }

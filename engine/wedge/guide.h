@@ -84,7 +84,7 @@ void gd__guide_ask_again(struct gd__guide *guide);
 GD_MUST_USE enum gd_status gd__guide_make_room(const struct gd__guide *guide, void **array, uint32_t count,
                                                uint32_t *capacity, size_t size);
 
-/* An entry of a fan has been worked on: now and then looks at the control. GD_DEADLINE, GD_CANCELLED. */
+/* An entry of a fan or a vertex of a ring has been worked on: now and then looks at the control. GD_DEADLINE, GD_CANCELLED. */
 GD_MUST_USE enum gd_status gd__guide_step(struct gd__guide *guide);
 
 /* Forgets the target, the landmarks and the control. */

@@ -1,4 +1,4 @@
-/* Kernel: what is done to all windows of a list at once, several lanes at a time.
+/* Kernel: what is done to all windows of a list, or to all vertices of a ring, at once, several lanes at a time.
  *
  * One source (kernel_lanes.h) is compiled for each set of lanes: plain C, AVX2, AVX-512; and for each twice: for windows of points, and for lists in which
  * there may be linear ones (wedge/window.h) too. All give the same results to the last bit: each lane
@@ -7,8 +7,9 @@
 #define GD_WEDGE_KERNEL_H
 
 #include "mesh/topology.h"
-#include "wedge/wedges.h"
 #include "wedge/children.h"
+#include "wedge/rings.h"
+#include "wedge/wedges.h"
 
 /* The best straight way found to the apex of a side through one of its windows, and which windows pass beside it. */
 struct gd__apex {
@@ -37,6 +38,10 @@ struct gd__kernel {
      * the two other edges, joining neighbours that see one source if `coalesce`. Both lists have room for as many. */
     void (*cast)(const struct gd_side *side, const struct gd__windows *windows, uint32_t count, bool coalesce,
                  struct gd__apex *apex, struct gd__children *left, struct gd__children *right);
+
+    /* The least of a place's ways through the vertices of groups [first, end) of a ring; GD__RING_NOWHERE of none. */
+    struct gd__ring_way (*ring)(const struct gd__ring_group *first, const struct gd__ring_group *end,
+                                struct gd__place place);
 };
 
 extern const struct gd__kernel gd__kernel_plain, gd__kernel_plain_linear;

@@ -4,6 +4,7 @@
  * LANES doubles make one `lanes`, their 32-bit companions `ids`, a truth value a lane `mask`. Arithmetic is written with C's operators; of the
  * functions, `pick` chooses by lane, `compress` moves the lanes of a mask to the front, `after(carry, a)` moves all lanes one up and takes the
  * carry's last one in, `ahead` moves them one down, `last_of` spreads lane count - 1. bits and mask_of convert a mask to and from an integer.
+ * FLOATS floats make one `floats`.
  *
  * In a side's frame the apex is p = (px, py), a source (x, -y). For a point (b, 0) of the edge, k(b) = (b - x)(py + y) - y (px - x) is negative
  * when the ray through it passes left of p. */
@@ -52,10 +53,11 @@ static inline mask linear_of(ids source)
 #include "wedge/kernel_contest.h"
 #include "wedge/kernel_children.h"
 #include "wedge/kernel_cast.h"
+#include "wedge/kernel_ring.h"
 
 #if WITH_LINEAR
 const struct gd__kernel KERNEL_LINEAR(kernel) = {
 #else
 const struct gd__kernel KERNEL(kernel) = {
 #endif
-    .name = KERNEL_NAME, .filter = filter, .within = within, .store = store_wedges, .cast = cast};
+    .name = KERNEL_NAME, .filter = filter, .within = within, .store = store_wedges, .cast = cast, .ring = ring};

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wedge/floats_avx.h"
+
 #define LANES            4
 #define KERNEL(x)        gd__##x##_avx2
 #define KERNEL_LINEAR(x) gd__##x##_avx2_linear

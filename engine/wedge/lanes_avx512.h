@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "wedge/floats_avx.h"
+
 #define LANES            8
 #define KERNEL(x)        gd__##x##_avx512
 #define KERNEL_LINEAR(x) gd__##x##_avx512_linear

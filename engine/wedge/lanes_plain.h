@@ -168,4 +168,29 @@ static inline void store_starts(uint64_t *p, lanes start, ids source, uint32_t c
     *p = (uint64_t)start | (uint64_t)source << 32;
 }
 
+#define FLOATS 1
+
+typedef float floats;
+
+static inline floats floats_all(float a)
+{
+    return a;
+}
+static inline floats floats_load(const float *p)
+{
+    return *p;
+}
+static inline floats floats_root(floats a)
+{
+    return sqrtf(a);
+}
+static inline floats floats_lesser(floats a, floats b)
+{
+    return a < b ? a : b;
+}
+static inline float floats_least(floats a)
+{
+    return a;
+}
+
 #endif

@@ -5,12 +5,12 @@
 
 #include "base/tolerance.h"
 #include "wedge/guide.h"
+#include "wedge/kernel.h"
 
-#define SPACING 12    /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
-#define LEAST   6     /* hops from a vertex to the ring that it is measured by */
-#define GAP     0.08  /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
-#define COARSE  1e3   /* edges so many times longer than the bound: floats would tell nothing */
-#define NOWHERE 1e18f /* its square is a float */
+#define SPACING 12   /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
+#define LEAST   6    /* hops from a vertex to the ring that it is measured by */
+#define GAP     0.08 /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
+#define COARSE  1e3  /* edges so many times longer than the bound: floats would tell nothing */
 
 #define OUT_OF_THE_WAY GD_NONE /* in place of hops: no way within the bound passes the vertex by */
 
@@ -37,17 +37,12 @@ void gd__rings_destroy(struct gd__rings *rings)
 
 /* --- bounds by a ring ---------------------------------------------------------------------------------------------------- */
 
-/* A place from the target, over the bound. */
-struct place {
-    float x, y, z;
-};
-
-static struct place place_of(const struct gd__guide *guide, uint32_t vertex)
+static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_vec3 *p = &guide->mesh->position[vertex], *target = &guide->target.position;
     double scale = 1 / guide->rings.bound;
-    return (struct place){(float)((p->x - target->x) * scale), (float)((p->y - target->y) * scale),
-                          (float)((p->z - target->z) * scale)};
+    return (struct gd__place){(float)((p->x - target->x) * scale), (float)((p->y - target->y) * scale),
+                              (float)((p->z - target->z) * scale)};
 }
 
 /* How far below its chord a distance in space may lie on an edge that is at least so far away. */
@@ -57,26 +52,13 @@ static float sag(float edge, float away)
 }
 
 /* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear function, from edges between such places, none longer than
- * `own`. Branchless over whole groups, so that compilers use vectors. */
-static float by_ring(const struct gd__rings *rings, uint32_t number, struct place p, float own)
+ * `own`. */
+static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
     const struct gd__ring *ring = &rings->ring[number];
-    float way[GD__RING_LANES], away[GD__RING_LANES];
-    for (int i = 0; i < GD__RING_LANES; i++) way[i] = away[i] = NOWHERE;
-    for (const struct gd__ring_group *g = rings->group + ring->first; g < rings->group + ring[1].first; g++)
-        for (int i = 0; i < GD__RING_LANES; i++) {
-            float x = g->x[i] - p.x, y = g->y[i] - p.y, z = g->z[i] - p.z, d = sqrtf(x * x + y * y + z * z),
-                  w = d + g->lower[i];
-            way[i] = way[i] < w ? way[i] : w;
-            away[i] = away[i] < d ? away[i] : d;
-        }
-    for (int half = GD__RING_LANES / 2; half > 0; half /= 2)
-        for (int i = 0; i < half; i++) {
-            way[i] = way[i] < way[i + half] ? way[i] : way[i + half];
-            away[i] = away[i] < away[i + half] ? away[i] : away[i + half];
-        }
-    float clear = away[0] - 0.5f * ring->longest - own; /* between any points of the edges */
-    return way[0] - sag(ring->longest, clear) - sag(own, clear) - rings->slack;
+    struct gd__ring_way least = gd__kernel_in_use()->ring(rings->group + ring->first, rings->group + ring[1].first, p);
+    float clear = least.away - 0.5f * ring->longest - own; /* between any points of the edges */
+    return least.way - sag(ring->longest, clear) - sag(own, clear) - rings->slack;
 }
 
 /* The ring that tells most of a vertex of so many hops: not so near that much is lost. */
@@ -142,34 +124,46 @@ static bool is_between(const struct growth *growth, uint32_t vertex)
     return rest >= 0 && 4 * a * b <= rest * rest;
 }
 
-static enum gd_status mark(struct growth *growth, uint32_t vertex)
+static enum gd_status make_room_to_mark(struct gd__guide *guide, uint32_t vertices)
 {
-    struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
-    if (rings->hops[vertex]) return GD_OK;
-    enum gd_status status = gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count,
-                                                &rings->marked_capacity, sizeof *rings->marked);
+    return gd__guide_make_room(guide, (void **)&rings->marked, rings->marked_count + vertices, &rings->marked_capacity,
+                               sizeof *rings->marked);
+}
+
+/* Marks a vertex that is not yet; there is room. Without a branch, which would be as good as random. */
+static inline void mark(const struct growth *growth, uint32_t vertex)
+{
+    struct gd__rings *rings = &growth->guide->rings;
+    uint32_t hops = rings->hops[vertex];
+    rings->marked[rings->marked_count] = vertex;
+    rings->marked_count += hops == 0;
+    rings->hops[vertex] = hops ? hops : 1 + growth->hops;
+}
+
+static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = growth->guide->mesh;
+    uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
+    enum gd_status status = gd__guide_step(growth->guide);
+    if (!status) status = make_room_to_mark(growth->guide, end - first + 1);
     if (status) return status;
-    bool is_out =
-        !is_between(growth, vertex) && is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target));
-    rings->hops[vertex] = is_out ? OUT_OF_THE_WAY : 1 + growth->hops;
-    rings->marked[rings->marked_count++] = vertex;
+    for (uint32_t i = first; i < end; i++) mark(growth, mesh->fan[i].tip);
+    if (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY) mark(growth, gd__side_apex(mesh, mesh->fan[end - 1].side));
     return GD_OK;
 }
 
-static enum gd_status mark_neighbours(struct growth *growth, uint32_t vertex)
+/* Of the outermost vertices. */
+static void leave_out_of_the_way(const struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;
-    const struct gd_mesh *mesh = guide->mesh;
-    enum gd_status status = GD_OK;
-    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
-        const struct gd_fan *fan = &mesh->fan[i];
-        status = gd__guide_step(guide);
-        if (!status) status = mark(growth, fan->tip);
-        if (!status && i + 1 == mesh->fan_first[vertex + 1] && mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY)
-            status = mark(growth, gd__side_apex(mesh, fan->side));
+    struct gd__rings *rings = &guide->rings;
+    for (uint32_t i = growth->first; i < rings->marked_count; i++) {
+        uint32_t vertex = rings->marked[i];
+        if (!is_between(growth, vertex) &&
+            is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target)))
+            rings->hops[vertex] = OUT_OF_THE_WAY;
     }
-    return status;
 }
 
 /* One hop farther. */
@@ -182,6 +176,7 @@ static enum gd_status grow(struct growth *growth)
     growth->hops++;
     for (uint32_t i = first; i < end && !status; i++)
         if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = mark_neighbours(growth, rings->marked[i]);
+    leave_out_of_the_way(growth);
     return status;
 }
 
@@ -195,11 +190,12 @@ static enum gd_status add_group(struct gd__guide *guide)
                                                 &rings->group_capacity, sizeof *rings->group);
     if (status) return status;
     struct gd__ring_group *group = &rings->group[rings->group_count++];
-    for (int i = 0; i < GD__RING_LANES; i++) group->x[i] = group->y[i] = group->z[i] = group->lower[i] = NOWHERE;
+    for (int i = 0; i < GD__RING_LANES; i++)
+        group->x[i] = group->y[i] = group->z[i] = group->lower[i] = GD__RING_NOWHERE;
     return GD_OK;
 }
 
-static void put(struct gd__rings *rings, uint32_t lane, struct place p, float lower)
+static void put(struct gd__rings *rings, uint32_t lane, struct gd__place p, float lower)
 {
     struct gd__ring_group *group = &rings->group[rings->group_count - 1];
     group->x[lane] = p.x;
@@ -244,7 +240,7 @@ static enum gd_status begin(struct gd__guide *guide)
     if (!status) status = add_group(guide);
     if (status) return status;
     rings->ring[0].first = 0;
-    put(rings, 0, (struct place){0, 0, 0}, 0);
+    put(rings, 0, (struct gd__place){0, 0, 0}, 0);
     return close_ring(guide, 0);
 }
 
@@ -275,7 +271,7 @@ static enum gd_status add_ring(struct growth *growth)
     for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
         uint32_t vertex = rings->marked[i];
         if (rings->hops[vertex] == OUT_OF_THE_WAY) continue;
-        struct place p = place_of(guide, vertex);
+        struct gd__place p = place_of(guide, vertex);
         float lower = by_ring(rings, last, p, longest);
         if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
             rings->hops[vertex] = OUT_OF_THE_WAY;
@@ -294,8 +290,9 @@ static enum gd_status draw(struct growth *growth)
     struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = begin(guide);
-    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++)
-        status = mark(growth, guide->target.corner[k]);
+    if (!status) status = make_room_to_mark(guide, 4);
+    for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) mark(growth, guide->target.corner[k]);
+    leave_out_of_the_way(growth);
     while (growth->first < rings->marked_count && !status) {
         if (growth->hops && growth->hops % SPACING == 0) status = add_ring(growth);
         if (!status) status = grow(growth);

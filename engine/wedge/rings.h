@@ -10,9 +10,20 @@
 
 #include "wedge/anchor.h"
 
-#define GD__RING_LANES 8
+#define GD__RING_LANES   8
+#define GD__RING_NOWHERE 1e18f /* its square is a float */
 
 struct gd__guide;
+
+/* A place from the target, over the search's bound. */
+struct gd__place {
+    float x, y, z;
+};
+
+/* The shortest way from a place through a vertex of a ring, and how far away the nearest of them is; over the bound. */
+struct gd__ring_way {
+    float way, away;
+};
 
 /* Vertices of a ring: places from the target, and lower bounds of the ways to it, both over the search's bound. Empty lanes are far off. */
 struct gd__ring_group {

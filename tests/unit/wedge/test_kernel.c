@@ -434,6 +434,55 @@ static void casts(void **state)
     assert_true(cast_children > 100000 && cast_joined > 1000 && cast_tangled > 1000);
 }
 
+/* --- rings --------------------------------------------------------------------------------------------------------------- */
+
+enum { RING_GROUPS = 5 };
+
+/* The same in double precision, vertex by vertex. */
+static struct gd__ring_way ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p)
+{
+    double way = GD__RING_NOWHERE, away = GD__RING_NOWHERE;
+    for (uint32_t i = 0; i < count * GD__RING_LANES; i++) {
+        const struct gd__ring_group *g = &groups[i / GD__RING_LANES];
+        uint32_t lane = i % GD__RING_LANES;
+        double x = (double)g->x[lane] - p.x, y = (double)g->y[lane] - p.y, z = (double)g->z[lane] - p.z;
+        away = fmin(away, sqrt(x * x + y * y + z * z));
+        way = fmin(way, sqrt(x * x + y * y + z * z) + g->lower[lane]);
+    }
+    return (struct gd__ring_way){(float)way, (float)away};
+}
+
+/* Groups of which the last has empty lanes. */
+static void random_ring(struct rng *rng, struct gd__ring_group *groups, uint32_t count)
+{
+    uint32_t taken = (count - 1) * GD__RING_LANES + 1 + (uint32_t)rng_below(rng, GD__RING_LANES);
+    for (uint32_t i = 0; i < count * GD__RING_LANES; i++) {
+        float *first = &groups[i / GD__RING_LANES].x[i % GD__RING_LANES];
+        for (int k = 0; k < 4; k++)
+            first[k * GD__RING_LANES] = i < taken ? (float)rng_between(rng, -1, 1) : GD__RING_NOWHERE;
+    }
+}
+
+static void rings(void **state)
+{
+    (void)state;
+    struct rng rng = {31};
+    struct gd__ring_group groups[RING_GROUPS];
+    for (int round = 0; round < ROUNDS; round++) {
+        uint32_t count = 1 + (uint32_t)rng_below(&rng, RING_GROUPS);
+        random_ring(&rng, groups, count);
+        struct gd__place p = {(float)rng_between(&rng, -1, 1), (float)rng_between(&rng, -1, 1), 0};
+        struct gd__ring_way single = ring_by_single(groups, count, p),
+                            first = kernels[0]->ring(groups, groups + count, p);
+        assert_true(fabsf(first.way - single.way) <= 1e-6f && fabsf(first.away - single.away) <= 1e-6f);
+        for (int k = 1; k < kernel_count; k++) {
+            struct gd__ring_way by_lanes = kernels[k]->ring(groups, groups + count, p);
+            assert_memory_equal(&by_lanes, &first, sizeof first);
+        }
+    }
+    assert_true(kernels[0]->ring(groups, groups, (struct gd__place){0}).way == GD__RING_NOWHERE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -441,6 +490,7 @@ int main(void)
         cmocka_unit_test_teardown(keeps_what_is_within_a_bound, free_lists),
         cmocka_unit_test_teardown(stores_what_leaves_no_gap_inside, free_lists),
         cmocka_unit_test_setup_teardown(casts, open_pool, close_pool),
+        cmocka_unit_test(rings),
     };
     return cmocka_run_group_tests(tests, find_kernels, NULL);
 }
