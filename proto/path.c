@@ -1,7 +1,6 @@
 #include "proto/path.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "proto/point.h"
 
@@ -40,10 +39,7 @@ static void encode_positions(struct proto_writer *writer, const struct gd_mesh *
     double xyz[RUN][3];
     for (uint32_t begin = 0; begin < path->count; begin += RUN) {
         uint32_t count = path->count - begin < RUN ? path->count - begin : RUN;
-        for (uint32_t i = 0; i < count; i++) {
-            struct gd_vec3 position = gd_point_position(mesh, &path->points[begin + i]);
-            memcpy(xyz[i], (const double[]){position.x, position.y, position.z}, sizeof xyz[i]);
-        }
+        gd_points_positions(mesh, path->points + begin, count, xyz);
         proto_write_triples(writer, xyz, count);
     }
 }

@@ -127,23 +127,47 @@ enum gd_status gd_point_in_face(const struct gd_mesh *mesh, struct gd_face face,
     return GD_OK;
 }
 
-static struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t vertex)
+static inline struct gd_vec3 input_position(const struct gd_mesh *mesh, uint32_t vertex)
 {
     return mesh->input_position[mesh->index_of_vertex[vertex]];
 }
 
+/* From one corner along edges: what is the same at all corners stays the same to the last bit. */
+static inline struct gd_vec3 position_on_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
+{
+    struct gd_vec3 a = input_position(mesh, mesh->origin[2 * edge]);
+    return gd_vec3_along(a, t, gd_vec3_sub(input_position(mesh, mesh->origin[2 * edge + 1]), a));
+}
+
+static struct gd_vec3 position_in_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3])
+{
+    const uint32_t *side = mesh->face_side[face];
+    struct gd_vec3 a = input_position(mesh, mesh->origin[side[0]]);
+    struct gd_vec3 ab = gd_vec3_sub(input_position(mesh, mesh->origin[side[0] ^ 1]), a);
+    struct gd_vec3 ac = gd_vec3_sub(input_position(mesh, mesh->origin[side[2]]), a);
+    return gd_vec3_add(a, gd_vec3_along(gd_vec3_scale(ab, weight[1]), weight[2], ac));
+}
+
+static inline struct gd_vec3 position_of(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_EDGE) return position_on_edge(mesh, point->element, point->weight[0]);
+    return point->kind == GD_POINT_VERTEX ? input_position(mesh, point->element)
+                                          : position_in_face(mesh, point->element, point->weight);
+}
+
 struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point)
 {
-    if (point->kind == GD_POINT_VERTEX) return input_position(mesh, point->element);
-    /* from one corner along edges: what is the same at all corners stays the same to the last bit */
-    const uint32_t *side = mesh->face_side[point->element];
-    uint32_t h = point->kind == GD_POINT_EDGE ? 2 * point->element : side[0];
-    struct gd_vec3 a = input_position(mesh, mesh->origin[h]), b = input_position(mesh, mesh->origin[h ^ 1]);
-    if (point->kind == GD_POINT_EDGE) return gd_vec3_along(a, point->weight[0], gd_vec3_sub(b, a));
-    struct gd_vec3 c = input_position(mesh, mesh->origin[side[2]]);
-    struct gd_vec3 moved =
-        gd_vec3_along(gd_vec3_scale(gd_vec3_sub(b, a), point->weight[1]), point->weight[2], gd_vec3_sub(c, a));
-    return gd_vec3_add(a, moved);
+    return position_of(mesh, point);
+}
+
+void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double (*out)[3])
+{
+    for (uint32_t i = 0; i < count; i++) {
+        struct gd_vec3 position = position_of(mesh, &points[i]);
+        out[i][0] = position.x;
+        out[i][1] = position.y;
+        out[i][2] = position.z;
+    }
 }
 
 /* Of the faces around a vertex, or on both sides of an edge, the lowest-numbered one in the input. */

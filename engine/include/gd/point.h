@@ -49,6 +49,9 @@ void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point,
 
 struct gd_vec3 gd_point_position(const struct gd_mesh *mesh, const struct gd_point *point);
 
+/* The same of `count` points at once, to the last bit; x, y, z of each. */
+void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count, double (*out)[3]);
+
 /* Number of the component that the point lies on, below summary.components: between points of different ones there is no path. */
 uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *point);
 

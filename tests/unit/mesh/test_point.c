@@ -209,6 +209,23 @@ static void points_know_their_component(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Bit by bit, points of all kinds among each other. */
+static void positions_of_many_are_those_of_each(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = sample_mesh();
+    const struct gd_point points[] = {at_vertex(mesh, 3), in_face(mesh, 5, 0.2, 0.3, 0.5), on_edge(mesh, 0, 1, 0.375),
+                                      in_face(mesh, 0, 0.6, 0.3, 0.1), at_vertex(mesh, 0)};
+    enum { COUNT = sizeof points / sizeof points[0] };
+    double xyz[COUNT][3];
+    gd_points_positions(mesh, points, COUNT, xyz);
+    for (int i = 0; i < COUNT; i++) {
+        struct gd_vec3 position = gd_point_position(mesh, &points[i]);
+        assert_memory_equal(xyz[i], ((double[]){position.x, position.y, position.z}), sizeof xyz[i]);
+    }
+    gd_mesh_release(mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -217,6 +234,7 @@ int main(void)
         cmocka_unit_test(what_is_no_point_is_refused_by_name),
         cmocka_unit_test(a_description_leads_back),
         cmocka_unit_test(points_know_their_component),
+        cmocka_unit_test(positions_of_many_are_those_of_each),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

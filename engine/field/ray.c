@@ -1,0 +1,184 @@
+#include "field/ray.h"
+
+#include "mesh/canonical.h"
+#include "mesh/segment.h"
+
+/* --- where it ends ------------------------------------------------------------------------------------------------------- */
+
+bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x, double y, uint32_t source)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd_side *s = &mesh->side[side];
+    struct gd_point point = source < mesh->vertex_count ? gd__point_of_vertex(source)
+                                                        : trail->field->seeds[source - mesh->vertex_count].point;
+    uint32_t face = mesh->side_face[side];
+    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    double weight[3];
+    if (point.kind == GD_POINT_FACE && point.element != face) return false;
+    gd__point_weights(mesh, &point, face, weight);
+    if (weight[0] + weight[1] + weight[2] == 0) return false;
+    struct gd__local at = gd__face_local(mesh, side, (double[3]){weight[k], weight[(k + 1) % 3], weight[(k + 2) % 3]});
+    double tolerance = GD_TOL_ARRIVED * (s->length + s->left_length);
+    return fabs(at.x - x) <= tolerance && fabs(at.y - y) <= tolerance;
+}
+
+struct gd__stop gd__ray_arrive(struct gd__trail *trail, uint32_t face, uint32_t source)
+{
+    if (source < trail->mesh->vertex_count) {
+        gd__trail_append_in_face(trail, gd__point_of_vertex(source), face);
+        return gd__stop_at_vertex(source);
+    }
+    uint32_t seed = source - trail->mesh->vertex_count;
+    gd__trail_append_in_face(trail, trail->field->seeds[seed].point, face);
+    return gd__stop_at_seed(seed);
+}
+
+struct gd__stop gd__ray_arrive_at_chord(struct gd__trail *trail, uint32_t seed, uint32_t face)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    const struct gd__seed *s = &trail->field->seeds[seed];
+    struct gd__chord chord = gd__chord(mesh, face, 0, &s->point, &s->end);
+    double weight[3], from[3], to[3];
+    gd__point_weights(mesh, &trail->path.points[trail->path.count - 1], face, weight);
+    double part = gd__chord_foot(&chord, gd__face_local(mesh, mesh->face_side[face][0], weight)) / chord.length;
+    part = part < 0 ? 0 : part > 1 ? 1 : part;
+    gd__point_weights(mesh, &s->point, face, from);
+    gd__point_weights(mesh, &s->end, face, to);
+    for (int k = 0; k < 3; k++) weight[k] = (1 - part) * from[k] + part * to[k];
+    gd__trail_append_in_face(trail, gd__point_of_face(mesh, face, weight), face);
+    return gd__stop_at_seed(seed);
+}
+
+/* --- from face to face --------------------------------------------------------------------------------------------------- */
+
+/* How a ray left a face: by an edge of that length, on a segment of that length, which is measured in the face's frame. */
+struct passage {
+    double edge, segment;
+};
+
+/* What is done for a ray to a point and to a segment alike. */
+#define BOTH_KINDS static inline __attribute__((always_inline))
+
+/* The same ray in the face across its side: there its source is above, at (x, y). */
+BOTH_KINDS void enter_face(const struct gd_side *s, struct gd__ray *ray, bool linear)
+{
+    ray->side ^= 1;
+    ray->t = s->length - ray->t;
+    ray->x = linear ? -ray->x : s->length - ray->x;
+}
+
+/* A ray that has entered the face of its side becomes one of the side by which it leaves: of the edge to the left, from the origin to the apex,
+ * or of the one to the right, from the apex to the destination. (ux, uy) runs along it, (rx, ry) from its end to the source. */
+BOTH_KINDS void cross_face(const struct gd_side *s, struct gd__ray *ray, struct passage *passage, bool linear)
+{
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y; /* apex */
+    double t = ray->t, dx = linear ? ray->x : ray->x - t, dy = ray->y, along, ux, uy, rx, ry, sx, sy;
+    if ((px - t) * dy - py * dx > 0) {
+        ux = s->left_x, uy = s->left_y, rx = linear ? dx : ray->x - px, ry = linear ? dy : ray->y - py;
+        along = dy * t / (dy * ux - dx * uy);
+        sx = along * ux - t, sy = along * uy;
+        ray->side = s->left ^ 1;
+        passage->edge = s->left_length;
+    } else {
+        ux = s->right_x, uy = s->right_y, rx = linear ? dx : ray->x - s->length, ry = ray->y;
+        along = (dx * py - dy * (px - t)) / (dy * ux - dx * uy);
+        sx = px + along * ux - t, sy = py + along * uy;
+        ray->side = s->right ^ 1;
+        passage->edge = s->right_length;
+    }
+    ray->t = passage->edge - along;
+    ray->x = -(rx * ux + ry * uy);
+    double y = ux * ry - uy * rx;
+    ray->y = y > 0 ? y : 0; /* fmax would be a call, and all of the above put aside for it */
+    passage->segment = sqrt(sx * sx + sy * sy);
+}
+
+/* Appends where a ray crosses from face to face; false where that is at the edge's end, up to snapping, or at the border, or without memory. `next` is the
+ * side by which it enters. */
+static inline bool append_crossing(struct gd__trail *trail, const struct gd_side *next, const struct gd__ray *ray,
+                                   const struct passage *passage)
+{
+    double snap = trail->snap;
+    if (ray->t <= snap * passage->edge || ray->t >= (1 - snap) * passage->edge) return false;
+    if (next->left == GD_NONE || !gd__trail_reserve(trail)) return false;
+    double weight = ray->t / passage->edge;
+    const double weights[2] = {weight, 1 - weight}; /* a branch would be wrong half the time */
+    struct gd_point *point = &trail->path.points[trail->path.count++];
+    point->kind = GD_POINT_EDGE;
+    point->element = ray->side >> 1;
+    point->weight[0] = weights[ray->side & 1];
+    point->weight[1] = point->weight[2] = 0;
+    trail->path.length += passage->segment;
+    return true;
+}
+
+/* Where a ray leaves its face by a side. No path leaves the surface: a ray that seems to, passes an end of the boundary edge within rounding. */
+static struct gd_point crossing_of(const struct gd__trail *trail, const struct gd__ray *ray)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    if (!gd__side_is_boundary(mesh, ray->side ^ 1)) return gd__trail_side_point(trail, ray->side, ray->t);
+    bool at_origin = ray->t < 0.5 * mesh->side[ray->side].length;
+    return gd__point_of_vertex(mesh->origin[at_origin ? ray->side : ray->side ^ 1]);
+}
+
+/* Appends where a ray comes to, be it a vertex. */
+static struct gd_point append_end(struct gd__trail *trail, struct gd__ray ray)
+{
+    struct gd_point point = crossing_of(trail, &ray);
+    gd__trail_append_in_face(trail, point, trail->mesh->side_face[ray.side]);
+    return point;
+}
+
+/* Is the source's image low enough to be in the face, so that it is worth a closer look? */
+static inline bool may_have_arrived(const struct gd_side *s, double y)
+{
+    return y <= s->left_length * s->left_y + GD_TOL_ARRIVED * (s->length + s->left_length);
+}
+
+/* Follows a ray from face to face until it reaches its source or passes through a vertex. Of each face it reads one record, which it asks for as
+ * soon as the one before is there. */
+static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray ray)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    struct gd_point first = append_end(trail, ray);
+    if (first.kind == GD_POINT_VERTEX) return gd__stop_at(first);
+    const struct gd_side *s = &mesh->side[ray.side ^ 1];
+    while (trail->steps_left--) {
+        struct passage passage;
+        __builtin_prefetch(&mesh->side[s->left]);
+        __builtin_prefetch(&mesh->side[s->right]);
+        enter_face(s, &ray, false);
+        if (may_have_arrived(s, ray.y) && gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
+            return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
+        cross_face(s, &ray, &passage, false);
+        s = &mesh->side[ray.side ^ 1];
+        if (!append_crossing(trail, s, &ray, &passage)) return gd__stop_at(append_end(trail, ray));
+    }
+    return gd__stop_failed(trail, GD_INTERNAL);
+}
+
+/* The same to a segment, which the ray meets at right angles: on an edge that it comes to, or in a face that it enters. */
+static struct gd__stop follow_to_segment(struct gd__trail *trail, struct gd__ray ray)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    uint32_t seed = gd__field_seed_of(trail->field, ray.source);
+    const struct gd__seed *s = &trail->field->seeds[seed];
+    struct gd__home home;
+    if (!gd__segment_home(mesh, &s->point, &s->end, &home)) return gd__stop_failed(trail, GD_INTERNAL);
+    while (trail->steps_left-- && !trail->status) {
+        const struct gd_side *across = &mesh->side[ray.side ^ 1];
+        struct passage passage;
+        if (ray.side >> 1 == home.edge) return gd__ray_arrive_at_chord(trail, seed, mesh->side_face[ray.side]);
+        struct gd_point at = append_end(trail, ray);
+        if (at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
+        enter_face(across, &ray, true);
+        if (mesh->side_face[ray.side] == home.face) return gd__ray_arrive_at_chord(trail, seed, home.face);
+        cross_face(across, &ray, &passage, true);
+    }
+    return gd__stop_failed(trail, GD_INTERNAL);
+}
+
+struct gd__stop gd__ray_follow(struct gd__trail *trail, struct gd__ray ray)
+{
+    return gd__source_is_linear(ray.source) ? follow_to_segment(trail, ray) : follow_to_point(trail, ray);
+}

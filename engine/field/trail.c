@@ -1,0 +1,57 @@
+#include "field/trail.h"
+
+#include <stdlib.h>
+
+#include "mesh/canonical.h"
+
+enum { CAPACITY = 128 }; /* points that there is room for to begin with */
+
+bool gd__trail_grow(struct gd__trail *trail)
+{
+    uint32_t capacity = trail->capacity ? 2 * trail->capacity : CAPACITY;
+    struct gd_point *points = realloc(trail->path.points, sizeof *points * (size_t)capacity);
+    if (!points) {
+        trail->status = GD_NO_MEMORY;
+        return false;
+    }
+    trail->path.points = points;
+    trail->capacity = capacity;
+    return true;
+}
+
+/* The same point, or one that rounding made of it: where a ray leaves the edge that it begins on. */
+static bool is_same_place(const struct gd_point *a, const struct gd_point *b)
+{
+    if (a->kind != GD_POINT_EDGE || b->kind != GD_POINT_EDGE || a->element != b->element) return gd_point_equal(a, b);
+    return fabs(a->weight[0] - b->weight[0]) <= GD_TOL_ON_BORDER;
+}
+
+void gd__trail_append(struct gd__trail *trail, struct gd_point point, double length)
+{
+    struct gd_path *path = &trail->path;
+    if (trail->status || (path->count && is_same_place(&path->points[path->count - 1], &point))) return;
+    if (!gd__trail_reserve(trail)) return;
+    path->points[path->count++] = point;
+    path->length += length;
+}
+
+void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face)
+{
+    if (trail->status) return;
+    double from[3], to[3];
+    gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], face, from);
+    gd__point_weights(trail->mesh, &point, face, to);
+    uint32_t side = trail->mesh->face_side[face][0];
+    struct gd__local a = gd__face_local(trail->mesh, side, from), b = gd__face_local(trail->mesh, side, to);
+    gd__trail_append(trail, point, sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y)));
+}
+
+struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t side, double t)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    double length = mesh->side[side].length;
+    if (t <= trail->snap * length) return gd__point_of_vertex(mesh->origin[side]);
+    if (t >= (1 - trail->snap) * length) return gd__point_of_vertex(mesh->origin[side ^ 1]);
+    double weight = t / length;
+    return (struct gd_point){.kind = GD_POINT_EDGE, .element = side >> 1, .weight = {side & 1 ? 1 - weight : weight}};
+}
