@@ -110,6 +110,17 @@ static enum gdc_status read_problem(const struct gdc_answer *answer, struct gdc_
     return GDC_PROBLEM;
 }
 
+/* --- answers ------------------------------------------------------------------------------------------------------------ */
+
+enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json, struct gdc_problem *problem)
+{
+    json_t *read = json_loadb(answer->body, answer->size, JSON_DECODE_ANY, NULL);
+    free(answer->body);
+    if (!read) return gdc__fail(problem, GDC_BAD_ANSWER, "the daemon's answer is no JSON");
+    *json = read;
+    return GDC_OK;
+}
+
 /* --- one exchange ------------------------------------------------------------------------------------------------------- */
 
 /* As libcurl wants it; 0 ends the transfer. */

@@ -136,6 +136,24 @@ enum gdc_status gdc_shortest_path(struct gdc_client *client, const char *mesh, s
 enum gdc_status gdc_field(struct gdc_client *client, const char *mesh, const struct gdc_point *sources, size_t count,
                           double **values, size_t *value_count, struct gdc_problem *problem);
 
+/* --- batches ----------------------------------------------------------------------------------------------------------- */
+
+/* Begins work of many sources, which outlives this client and the daemon: {"query": "all-pairs", "mesh", "vertices"} or {"query": "fields", "meshes", "set"},
+ * as the contract has it (borrowed). `*batch`, the caller's to json_decref: its "id", "state" (running, done, cancelled), "items", "done", "failed". It is not
+ * sent again when its connection fails: after GDC_NO_CONNECTION it may have begun all the same, which GET /v1/batches tells. Errors: those of gdc_query. */
+enum gdc_status gdc_batch_create(struct gdc_client *client, const json_t *request, json_t **batch,
+                                 struct gdc_problem *problem);
+
+/* How far it is. */
+enum gdc_status gdc_batch_look(struct gdc_client *client, const char *id, json_t **batch, struct gdc_problem *problem);
+
+/* Some of the items that have an answer by now, in their order: {"results": [...], "next"}; `after`: the "next" of the ones before, NULL: from the first. */
+enum gdc_status gdc_batch_results(struct gdc_client *client, const char *id, const char *after, json_t **page,
+                                  struct gdc_problem *problem);
+
+/* Cancels it; removes one that has ended. */
+enum gdc_status gdc_batch_delete(struct gdc_client *client, const char *id, struct gdc_problem *problem);
+
 #ifdef __cplusplus
 }
 #endif

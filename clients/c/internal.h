@@ -28,6 +28,9 @@ enum gdc_status gdc__exchange(struct gdc_client *client, const struct gdc_reques
 enum gdc_status gdc__await_job(struct gdc_client *client, struct gdc_answer *accepted, struct gdc_answer *answer,
                                struct gdc_problem *problem);
 
+/* The JSON of an answer, whose body is freed; the caller's to json_decref. */
+enum gdc_status gdc__read_json(struct gdc_answer *answer, json_t **json, struct gdc_problem *problem);
+
 /* "/v1/meshes/{mesh}" and what follows it, the name encoded; the caller's to free(). NULL without memory. */
 char *gdc__mesh_path(struct gdc_client *client, const char *mesh, const char *rest);
 

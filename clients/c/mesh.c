@@ -85,12 +85,7 @@ enum gdc_status gdc_query(struct gdc_client *client, const char *mesh, const cha
         ask(client, mesh, rest, (struct gdc_request){.method = "POST", .body = text, .body_size = strlen(text)},
             &received, problem);
     free(text);
-    if (status) return status;
-    json_t *json = json_loadb(received.body, received.size, JSON_DECODE_ANY, NULL);
-    free(received.body);
-    if (!json) return gdc__fail(problem, GDC_BAD_ANSWER, "the daemon's answer is no JSON");
-    *answer = json;
-    return GDC_OK;
+    return status ? status : gdc__read_json(&received, answer, problem);
 }
 
 /* --- meshes ------------------------------------------------------------------------------------------------------------- */

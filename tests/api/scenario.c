@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "clients/c/geodesicd.h"
 
@@ -141,6 +142,81 @@ static void run_queries(struct gdc_client *client)
     EXPECT(gdc_delete(client, "a-square", &problem) == GDC_PROBLEM && problem.status == 404);
 }
 
+/* --- batches ------------------------------------------------------------------------------------------------------------ */
+
+static const char *text_of(const json_t *object, const char *name)
+{
+    return json_string_value(json_object_get(object, name));
+}
+
+/* Until a batch has ended: a minute at most. */
+static json_t *await_batch(struct gdc_client *client, json_t *batch)
+{
+    for (int i = 0; i < 6000 && batch && strcmp(text_of(batch, "state"), "running") == 0; i++) {
+        json_t *now = NULL;
+        nanosleep(&(struct timespec){0, 10000000}, NULL);
+        EXPECT(gdc_batch_look(client, text_of(batch, "id"), &now, NULL) == GDC_OK);
+        json_decref(batch);
+        batch = now;
+    }
+    return batch;
+}
+
+/* How many items have been answered; each of them has to be a problem. */
+static size_t count_refused(struct gdc_client *client, const char *id)
+{
+    size_t count = 0, i;
+    json_t *page, *item, *last = NULL;
+    do {
+        EXPECT(gdc_batch_results(client, id, last ? text_of(last, "next") : NULL, &page, NULL) == GDC_OK);
+        json_array_foreach(json_object_get(page, "results"), i, item)
+            EXPECT(json_integer_value(json_object_get(item, "item")) == (json_int_t)count++ &&
+                   json_object_get(item, "problem"));
+        json_decref(last);
+        last = page;
+    } while (text_of(page, "next"));
+    json_decref(page);
+    return count;
+}
+
+/* A batch of a request, which is used up, once it has ended. */
+static json_t *run_batch(struct gdc_client *client, json_t *request)
+{
+    json_t *batch = NULL;
+    EXPECT(gdc_batch_create(client, request, &batch, NULL) == GDC_OK);
+    json_decref(request);
+    return await_batch(client, batch);
+}
+
+static void end_batch(struct gdc_client *client, json_t *batch)
+{
+    struct gdc_problem problem = {0};
+    json_t *none;
+    EXPECT(gdc_batch_delete(client, text_of(batch, "id"), &problem) == GDC_OK);
+    EXPECT(gdc_batch_look(client, text_of(batch, "id"), &none, &problem) == GDC_PROBLEM && problem.status == 404);
+    json_decref(batch);
+}
+
+static void run_batches(struct gdc_client *client)
+{
+    json_t *page, *nobodies = json_array();
+    EXPECT(gdc_upload(client, "a-square", square, sizeof square - 1, NULL) == GDC_OK);
+    json_t *pairs =
+        run_batch(client, json_pack("{s:s,s:s,s:[i,i]}", "query", "all-pairs", "mesh", "a-square", "vertices", 0, 1));
+    EXPECT(gdc_batch_results(client, text_of(pairs, "id"), NULL, &page, NULL) == GDC_OK);
+    const json_t *answer = json_object_get(json_array_get(json_object_get(page, "results"), 1), "answer"),
+                 *row = json_array_get(json_object_get(answer, "distances"), 0);
+    EXPECT(json_number_value(json_array_get(row, 0)) == 1 && json_number_value(json_array_get(row, 1)) == 0);
+    json_decref(page);
+    end_batch(client, pairs);
+    for (int i = 0; i < 150; i++) json_array_append_new(nobodies, json_string("nobody"));
+    json_t *many = run_batch(client, json_pack("{s:s,s:o,s:{s:[{s:i}]}}", "query", "fields", "meshes", nobodies, "set",
+                                               "points", "vertex", 0));
+    EXPECT(count_refused(client, text_of(many, "id")) == 150); /* of more than one page */
+    end_batch(client, many);
+    EXPECT(gdc_delete(client, "a-square", NULL) == GDC_OK);
+}
+
 /* The daemon of this URL turns what comes away, three times, then hangs up. */
 static void run_busy(struct gdc_client *client)
 {
@@ -149,9 +225,9 @@ static void run_busy(struct gdc_client *client)
     gdc_client_set_retries(client, 2);
     EXPECT(gdc_distance(client, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) == GDC_PROBLEM);
     EXPECT(problem.status == 503 && strcmp(problem.code, "overloaded") == 0);
-    const struct gdc_request batch = {.method = "POST", .path = "/v1/batches", .body = "{}", .body_size = 2, .once = 1};
-    struct gdc_answer answer;
-    EXPECT(gdc_call(client, &batch, &answer, &problem) == GDC_NO_CONNECTION); /* it hangs up on this one */
+    json_t *batch, *request = json_object();
+    EXPECT(gdc_batch_create(client, request, &batch, &problem) == GDC_NO_CONNECTION); /* it hangs up on this one */
+    json_decref(request);
     struct gdc_client *nobody = gdc_client_create("http://127.0.0.1:1", "key");
     gdc_client_set_retries(nobody, 0);
     EXPECT(gdc_distance(nobody, "a", gdc_vertex(0), gdc_vertex(1), &distance, &problem) == GDC_NO_CONNECTION);
@@ -169,6 +245,7 @@ int main(int count, char **arguments)
     } else {
         run_scenario(client, arguments[2]);
         run_queries(client);
+        run_batches(client);
     }
     gdc_client_destroy(client);
     return failures > 0;
