@@ -128,10 +128,25 @@ bool server_log_begin(struct server_log_line *line, enum server_log_level level,
     return true;
 }
 
+/* Appends ,"KEY":"VALUE" where all of the value can be written as it is, and has room; else nothing. */
+static bool append_plain(struct server_log_line *line, const char *key, const char *value)
+{
+    size_t key_size = strlen(key), size = plain_run(value, TEXT_LIMIT);
+    if (value[size] || line->size + key_size + size + 6 > sizeof line->text - LINE_RESERVE) return false;
+    char *at = line->text + line->size;
+    memcpy(at, ",\"", 2);
+    memcpy(at + 2, key, key_size);
+    memcpy(at + 2 + key_size, "\":\"", 3);
+    memcpy(at + 5 + key_size, value, size);
+    at[5 + key_size + size] = '"';
+    line->size += key_size + size + 6;
+    return true;
+}
+
 void server_log_text(struct server_log_line *line, const char *key, const char *value)
 {
     size_t start = line->size;
-    if (!value) return;
+    if (!value || append_plain(line, key, value)) return;
     if (!append_key(line, key) || !append(line, "\"", 1) || !append_escaped(line, value) || !append(line, "\"", 1))
         line->size = start;
 }
@@ -160,53 +175,77 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
     append_number(line, key, text, size + 4);
 }
 
-/* --- to standard error -------------------------------------------------------------------------------------------- */
+/* --- to standard error --------------------------------------------------------------------------------------------
+ *
+ * Lines gather in one text while another one is being written, so that nobody who has a line waits for the system. */
 
 /* Lines that are not written yet. */
 static struct {
     pthread_mutex_t lock;
     struct server_thread *thread; /* writes them; NULL: nothing is gathered */
+    bool is_awake;                /* the thread will write what is here */
+    unsigned turn;                /* of the texts: they gather in this one */
     size_t size;
-    char text[GATHERED_MOST];
+    char text[2][GATHERED_MOST];
 } gathered = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* Under the lock. There is nowhere to report a log that can't be written: what is left of it then is dropped. */
-static void write_gathered(void)
+/* Whose it is has the other text. Taken before gathered.lock. */
+static pthread_mutex_t writing = PTHREAD_MUTEX_INITIALIZER;
+
+/* Takes the lines that have gathered. */
+static const char *take_gathered(size_t *size)
 {
-    ssize_t written = 1;
-    for (size_t at = 0; at < gathered.size && written > 0; at += (size_t)written)
-        written = write(STDERR_FILENO, gathered.text + at, gathered.size - at);
+    pthread_mutex_lock(&gathered.lock);
+    const char *text = gathered.text[gathered.turn];
+    *size = gathered.size;
+    gathered.turn ^= 1;
     gathered.size = 0;
+    pthread_mutex_unlock(&gathered.lock);
+    return text;
 }
 
-/* Under the lock. */
+/* There is nowhere to report a log that can't be written: what is left of it then is dropped. */
+static void write_gathered(void)
+{
+    size_t size;
+    ssize_t written = 1;
+    pthread_mutex_lock(&writing);
+    const char *text = take_gathered(&size);
+    for (size_t at = 0; at < size && written > 0; at += (size_t)written)
+        written = write(STDERR_FILENO, text + at, size - at);
+    pthread_mutex_unlock(&writing);
+}
+
+/* Adds the line, under the lock, which it takes. */
 static void gather(struct server_log_line *line)
 {
     memcpy(line->text + line->size, "}\n", 2);
     line->size += 2;
-    if (line->size > sizeof gathered.text - gathered.size) write_gathered();
-    memcpy(gathered.text + gathered.size, line->text, line->size);
+    pthread_mutex_lock(&gathered.lock);
+    while (line->size > GATHERED_MOST - gathered.size) {
+        pthread_mutex_unlock(&gathered.lock);
+        write_gathered();
+        pthread_mutex_lock(&gathered.lock);
+    }
+    memcpy(gathered.text[gathered.turn] + gathered.size, line->text, line->size);
     gathered.size += line->size;
 }
 
 void server_log_end(struct server_log_line *line)
 {
-    pthread_mutex_lock(&gathered.lock);
     gather(line);
-    write_gathered();
     pthread_mutex_unlock(&gathered.lock);
+    write_gathered();
 }
 
 void server_log_end_soon(struct server_log_line *line)
 {
-    pthread_mutex_lock(&gathered.lock);
-    bool is_first = gathered.size == 0;
     gather(line);
-    if (!gathered.thread)
-        write_gathered();
-    else if (is_first)
-        server_thread_wake(gathered.thread);
+    bool is_late = !gathered.thread;
+    if (!is_late && !gathered.is_awake) server_thread_wake(gathered.thread);
+    gathered.is_awake = !is_late;
     pthread_mutex_unlock(&gathered.lock);
+    if (is_late) write_gathered();
 }
 
 /* Lets lines gather from the first one on. */
@@ -216,8 +255,9 @@ static void write_now_and_then(void *user, struct server_thread *thread)
     while (server_thread_pause(thread, SERVER_THREAD_FOREVER)) {
         (void)server_thread_sleep(thread, GATHER_NS);
         pthread_mutex_lock(&gathered.lock);
-        write_gathered();
+        gathered.is_awake = false;
         pthread_mutex_unlock(&gathered.lock);
+        write_gathered();
     }
 }
 
@@ -226,8 +266,9 @@ static struct server_thread *swap_thread(struct server_thread *thread)
     pthread_mutex_lock(&gathered.lock);
     struct server_thread *before = gathered.thread;
     gathered.thread = thread;
-    write_gathered();
+    gathered.is_awake = false;
     pthread_mutex_unlock(&gathered.lock);
+    write_gathered();
     return before;
 }
 
