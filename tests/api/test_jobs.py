@@ -1,4 +1,4 @@
-"""Jobs: Prefer: respond-async, what becomes of it, cancels, events, expiry, bounds, drain."""
+"""Jobs: Prefer: respond-async, what becomes of it, cancels, expiry, bounds, drain."""
 import concurrent.futures
 import http.client
 import json
@@ -7,80 +7,8 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE_SECONDS, SQUARE, TETRAHEDRON, Daemon, TestCase, sample, wait_until
-
-ASYNC = {"Prefer": "respond-async"}
-JSON = {"Content-Type": "application/json"}
-SANITIZED_SECONDS = 2  # what may pass for "at once" where everything is slow
-
-
-def big_mesh():
-    """A mesh on which one field takes seconds."""
-    return sample("terrain", cells=400, amplitude=1)
-
-
-class Jobs(TestCase):
-    """What tests about jobs share."""
-
-    def start(self, path, document=None, method="POST", daemon=None, **headers):
-        """Starts a job; returns its location."""
-        body = None if document is None else json.dumps(document)
-        kind = JSON if document is not None else {}
-        answer = (daemon or self.daemon).request(method, path, body, {**ASYNC, **kind, **headers})
-        self.assertEqual(answer.status, 202, answer)
-        self.assertEqual(answer.headers["Preference-Applied"], "respond-async")
-        location = answer.headers["Location"]
-        self.assertEqual(location, f"/v1/jobs/{answer.json['id']}")
-        return location
-
-    def start_field(self, source, name="big", daemon=None):
-        """Starts the slowest job there is: the question that the field of a source is built for."""
-        (daemon or self.daemon).ask_often(name, f"v:{source}")
-        return self.start(f"/v1/meshes/{name}/distance", pair(source, 160000 - source), daemon=daemon)
-
-    def wait(self, location, state, daemon=None):
-        until = time.monotonic() + PATIENCE_SECONDS
-        while (job := (daemon or self.daemon).get(location).json)["state"] != state:
-            self.assertLess(time.monotonic(), until, job)
-            self.assertIn(job["state"], ("queued", "running"), job)
-            time.sleep(0.002)
-        return job
-
-    def cancel(self, location):
-        answer = self.daemon.request("DELETE", location)
-        self.assertEqual((answer.status, answer.body), (204, b""))
-
-
-def pair(source, target):
-    return {"from": {"vertex": source}, "to": {"vertex": target}}
-
-
-def events_of(response):
-    """(event, data) of each message of a stream, comments left out, as they come."""
-    event = data = None
-    for line in response:
-        line = line.decode().rstrip("\n")
-        if line.startswith("event: "):
-            event = line[7:]
-        elif line.startswith("data: "):
-            data = json.loads(line[6:])
-        elif not line and data is not None:
-            yield event, data
-            event = data = None
-
-
-class Watch:
-    """An open stream of a job's events."""
-
-    def __init__(self, daemon, location):
-        self.connection = daemon.connect()
-        self.connection.request("GET", location + "/events")
-        self.response = self.connection.getresponse()
-        self.events = events_of(self.response)
-
-    def close(self):
-        self.response.close()
-        self.connection.close()
+from harness import PATIENCE_SECONDS, SQUARE, TETRAHEDRON, Daemon, sample, wait_until
+from jobs import ASYNC, JSON, Jobs, OneWorker, Watch, big_mesh, pair
 
 
 class Answers(Jobs):
@@ -216,25 +144,7 @@ class Answers(Jobs):
         raise KeyError(state)
 
 
-class Work(Jobs):
-    """Jobs that take their time, on the only worker."""
-
-    flags = ("--workers", "1", "--queue-length", "2", "--landmarks", "0")
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        assert cls.daemon.put("big", big_mesh()).status == 201
-        assert cls.daemon.put("square", SQUARE).status == 201
-
-    def tearDown(self):
-        self.wait_until_idle()
-        for job in self.daemon.get("/v1/jobs").json["jobs"]:
-            self.daemon.request("DELETE", f"/v1/jobs/{job['id']}")
-
-    def wait_until_idle(self):
-        wait_until(lambda: self.daemon.metric("requests_deferred") == 0)
-
+class Work(OneWorker):
     def seconds_until_idle(self):
         started = time.monotonic()
         while self.daemon.metric("workers_busy"):
@@ -347,93 +257,6 @@ class Work(Jobs):
             self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 202 "))
         job = self.daemon.get("/v1/jobs").json["jobs"][-1]
         self.wait(f"/v1/jobs/{job['id']}", "done")
-
-    # --- events
-
-    def test_events(self):
-        location = self.start_field(900)
-        watch = Watch(self.daemon, location)
-        self.assertEqual((watch.response.status, watch.response.headers["Content-Type"]), (200, "text/event-stream"))
-        events = list(watch.events)  # ends with the job
-        self.assertEqual([event for event, _ in events], ["progress"] * (len(events) - 1) + ["done"])
-        self.assertGreater(len(events), 3)
-        parts = [data["progress"] for _, data in events]
-        self.assertEqual((parts, parts[-1]), (sorted(parts), 1))
-        self.assertEqual(events[-1][1]["state"], "done")
-        self.assertEqual(events[-1][1]["response"]["status"], 200)
-        watch.close()
-
-    def test_events_of_a_cancelled_job(self):
-        location = self.start_field(910)
-        watch = Watch(self.daemon, location)
-        self.assertEqual(next(watch.events)[0], "progress")
-        self.cancel(location)
-        started = time.monotonic()
-        *_, (event, data) = watch.events
-        self.assertLess(time.monotonic() - started, SANITIZED_SECONDS)
-        self.assertEqual((event, data["state"]), ("done", "cancelled"))
-        watch.close()
-
-    def test_events_of_a_job_that_has_ended(self):
-        location = self.start("/v1/meshes/square/distance", pair(0, 99))
-        self.wait(location, "failed")
-        watch = Watch(self.daemon, location)
-        ((event, data),) = watch.events
-        self.assertEqual((event, data["state"], data["problem"]["status"]), ("done", "failed", 400))
-        watch.close()
-        self.assertEqual(self.daemon.get(location + "/events", Last_Event_ID="done").status, 204)
-        self.assert_problem(self.daemon.get(location + "/events", Accept="application/json"), 406, "not_acceptable")
-
-    def test_a_stream_may_be_followed_by_another_request(self):
-        location = self.start("/v1/meshes/square/distance", pair(0, 2))
-        connection = self.daemon.connect()
-        for path in (location + "/events", "/livez", location + "/events", location):
-            self.assertEqual(self.daemon.request("GET", path, connection=connection).status, 200)
-        connection.close()
-
-    def test_many_watch_and_some_go_away(self):
-        location = self.start_field(920)
-        watches = [Watch(self.daemon, location) for _ in range(200)]
-        self.assertEqual(self.daemon.wait_for("event_streams", 200), 200)
-        for watch in watches[:100]:
-            watch.close()
-        wait_until(lambda: self.daemon.metric("event_streams") <= 100, 5)  # who went away is not watched for
-        self.cancel(location)
-        for watch in watches[100:]:
-            *_, (event, data) = watch.events
-            self.assertEqual((event, data["state"]), ("done", "cancelled"))
-            watch.close()
-        while self.daemon.metric("event_streams"):
-            time.sleep(0.001)
-
-    def test_who_goes_away_while_nothing_happens(self):
-        """A job that waits tells nothing: so its watchers are looked for."""
-        self.daemon.ask_often("big", "v:927")
-        running = self.start_field(925)
-        next_one = self.start("/v1/meshes/big/distance", pair(927, 5001))
-        self.wait(running, "running")
-        queued = self.start("/v1/meshes/big/distance", pair(926, 5000))
-        stays, goes = Watch(self.daemon, queued), Watch(self.daemon, queued)
-        next(stays.events)
-        goes.close()
-        wait_until(lambda: self.daemon.metric("event_streams") <= 1, 5)  # who went away is not watched for
-        self.cancel(queued)
-        *_, (event, data) = stays.events
-        self.assertEqual((event, data["state"]), ("done", "cancelled"))
-        stays.close()
-        self.cancel(next_one)
-        self.cancel(running)
-
-    def test_watchers_keep_no_http_thread(self):
-        running = self.start_field(930)
-        watches = [Watch(self.daemon, running) for _ in range(50)]
-        started = time.monotonic()
-        for _ in range(100):
-            self.assertEqual(self.daemon.get("/livez").status, 200)
-        self.assertLess(time.monotonic() - started, SANITIZED_SECONDS)
-        self.cancel(running)
-        for watch in watches:
-            watch.close()
 
 
 class Expiry(Jobs):

@@ -1,0 +1,98 @@
+"""What tests of jobs share: how they are started, awaited, cancelled and watched, and a daemon with one worker and a mesh that keeps it busy."""
+import json
+import time
+
+from harness import PATIENCE_SECONDS, SQUARE, TestCase, sample, wait_until
+
+ASYNC = {"Prefer": "respond-async"}
+JSON = {"Content-Type": "application/json"}
+SANITIZED_SECONDS = 2  # what may pass for "at once" where everything is slow
+
+
+def big_mesh():
+    """A mesh on which one field takes seconds."""
+    return sample("terrain", cells=400, amplitude=1)
+
+
+def pair(source, target):
+    return {"from": {"vertex": source}, "to": {"vertex": target}}
+
+
+class Jobs(TestCase):
+    """What tests about jobs share."""
+
+    def start(self, path, document=None, method="POST", daemon=None, **headers):
+        """Starts a job; returns its location."""
+        body = None if document is None else json.dumps(document)
+        kind = JSON if document is not None else {}
+        answer = (daemon or self.daemon).request(method, path, body, {**ASYNC, **kind, **headers})
+        self.assertEqual(answer.status, 202, answer)
+        self.assertEqual(answer.headers["Preference-Applied"], "respond-async")
+        location = answer.headers["Location"]
+        self.assertEqual(location, f"/v1/jobs/{answer.json['id']}")
+        return location
+
+    def start_field(self, source, name="big", daemon=None):
+        """Starts the slowest job there is: the question that the field of a source is built for."""
+        (daemon or self.daemon).ask_often(name, f"v:{source}")
+        return self.start(f"/v1/meshes/{name}/distance", pair(source, 160000 - source), daemon=daemon)
+
+    def wait(self, location, state, daemon=None):
+        until = time.monotonic() + PATIENCE_SECONDS
+        while (job := (daemon or self.daemon).get(location).json)["state"] != state:
+            self.assertLess(time.monotonic(), until, job)
+            self.assertIn(job["state"], ("queued", "running"), job)
+            time.sleep(0.002)
+        return job
+
+    def cancel(self, location):
+        answer = self.daemon.request("DELETE", location)
+        self.assertEqual((answer.status, answer.body), (204, b""))
+
+
+class OneWorker(Jobs):
+    """Jobs that take their time, on the only worker."""
+
+    flags = ("--workers", "1", "--queue-length", "2", "--landmarks", "0")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        assert cls.daemon.put("big", big_mesh()).status == 201
+        assert cls.daemon.put("square", SQUARE).status == 201
+
+    def tearDown(self):
+        self.wait_until_idle()
+        for job in self.daemon.get("/v1/jobs").json["jobs"]:
+            self.daemon.request("DELETE", f"/v1/jobs/{job['id']}")
+
+    def wait_until_idle(self):
+        wait_until(lambda: self.daemon.metric("requests_deferred") == 0)
+
+
+def events_of(response):
+    """(event, data) of each message of a stream, comments left out, as they come."""
+    event = data = None
+    for line in response:
+        line = line.decode().rstrip("\n")
+        if line.startswith("event: "):
+            event = line[7:]
+        elif line.startswith("data: "):
+            data = json.loads(line[6:])
+        elif not line and data is not None:
+            yield event, data
+            event = data = None
+
+
+class Watch:
+    """An open stream of a job's events."""
+
+    def __init__(self, daemon, location):
+        self.connection = daemon.connect()
+        self.connection.request("GET", location + "/events")
+        self.response = self.connection.getresponse()
+        self.events = events_of(self.response)
+
+    def close(self):
+        self.response.close()
+        self.connection.close()

@@ -1,0 +1,272 @@
+"""The daemon under load: the two lanes, overload, deadlines, who waits for a field, memory, drain, everything at once."""
+import concurrent.futures
+import itertools
+import random
+import signal
+import socket
+import threading
+import time
+import unittest
+
+from harness import PATIENCE_SECONDS, SEARCHES, SQUARE, Daemon, TestCase, sample
+
+
+def slow_mesh():
+    """A mesh on which one field takes long enough to watch: a rough terrain without flat parts."""
+    return sample("terrain", cells=256, amplitude=1)
+
+
+def all_of(count, call):
+    with concurrent.futures.ThreadPoolExecutor(count) as pool:
+        return list(pool.map(call, range(count)))
+
+
+class Lanes(TestCase):
+    flags = ("--workers", "1", "--queue-length", "2", "--http-threads", "2", "--landmarks", "0")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon.put("slow", slow_mesh())
+        cls.daemon.put("square", SQUARE)
+        cls.daemon.ask_often("square", "v:0")
+        cls.daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
+
+    def ask(self, source, options=""):
+        """Asks across the mesh, for a target that no other source is asked for with."""
+        return self.daemon.get(f"/v1/meshes/slow/distance?from=v:{source}&to=v:{66000 - source}{options}")
+
+    def ask_for_a_field(self, source):
+        """Asks the question that a field is built for: the slowest there is."""
+        self.daemon.ask_often("slow", f"v:{source}")
+        return self.ask(source)
+
+    def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            first = pool.submit(self.ask_for_a_field, 600)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(first.done(), "too fast to watch")
+            answers = all_of(10, lambda _: self.ask(600))
+        self.assertEqual([answer.status for answer in answers], [200] * 10)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
+
+    def test_overload_is_told_at_once(self):
+        with concurrent.futures.ThreadPoolExecutor(12) as pool:
+            asked = [pool.submit(self.ask, source) for source in range(100, 112)]
+            answers = [future.result() for future in asked]
+        refused = [answer for answer in answers if answer.status == 503]
+        self.assertGreaterEqual(len([answer for answer in answers if answer.status == 200]), 2)  # the queue's length
+        self.assertGreater(len(refused), 0)
+        for answer in refused:
+            self.assert_problem(answer, 503, "overloaded")
+            self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
+
+    def test_the_first_lane_stays_open(self):
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            builds = self.daemon.metric("cache_builds_total")
+            slow = pool.submit(self.ask_for_a_field, 200)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(slow.done(), "too fast to watch")
+            for path in ("/livez", "/v1/meshes/square", "/v1/meshes/square/distance?from=v:0&to=v:2",
+                         "/v1/meshes/slow/nearest?point=p:0.5,0.5,3"):
+                self.assertEqual(self.daemon.get(path).status, 200)
+            self.assertFalse(slow.done(), "too fast to watch")
+            self.assertEqual(slow.result().status, 200)
+
+    def assert_ended(self, counter, ask):
+        """With so little time that the work is begun, as its counter tells, but not finished."""
+        begun = self.daemon.metric(counter)
+        for timeout_ms in (3, 6, 12, 24, 48):
+            self.assert_problem(ask(f"timeout_ms={timeout_ms}"), 504, "deadline_exceeded")
+            if self.daemon.metric(counter) > begun:
+                return
+        self.fail("it was never begun")
+
+    def test_deadline_of_the_work(self):
+        started, document = time.monotonic(), {"set": {"points": [{"vertex": 300}]}}
+        self.assert_ended("searches_total", lambda timeout: self.ask(300, options=f"&{timeout}"))
+        self.assert_ended("cache_builds_total", lambda timeout: self.daemon.ask("slow", f"fields?{timeout}", document))
+        self.assertLess(time.monotonic() - started, 2)
+
+    def test_deadline_while_waiting(self):
+        """A request that waits for a worker is answered at its own deadline."""
+        builds = self.daemon.metric("cache_builds_total")
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            slow = pool.submit(self.ask_for_a_field, 400)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(slow.done(), "too fast to watch")
+            self.assert_problem(self.ask(401, options="&timeout_ms=20"), 504, "deadline_exceeded")
+            self.assertFalse(slow.done(), "too fast to watch")
+            slow.result()
+
+    def test_when_the_builder_gives_up_another_takes_over(self):
+        """The builder waits for the worker, more than the queue holds wait for him: his deadline is not theirs."""
+        self.daemon.ask_often("square", "v:1")
+        url = "/v1/meshes/square/distance?from=v:1&to=v:3"
+        builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
+        with concurrent.futures.ThreadPoolExecutor(7) as pool:
+            slow = pool.submit(self.ask_for_a_field, 700)
+            while self.daemon.metric("cache_builds_total") == builds:
+                self.assertFalse(slow.done(), "too fast to watch")
+            hasty = pool.submit(self.daemon.get, url + "&timeout_ms=80")
+            while self.daemon.metric("cache_builds_total") == builds + 1:
+                self.assertFalse(slow.done(), "too fast to watch")
+            patient = [pool.submit(self.daemon.get, url) for _ in range(5)]
+            self.assert_problem(hasty.result(), 504, "deadline_exceeded")
+            self.assertFalse(slow.done(), "too fast to watch")
+            self.assertEqual([future.result().status for future in (slow, *patient)], [200] * 6)
+        self.assertEqual(self.daemon.metric("cache_waits_total") - waits, 5)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 3)
+
+    def test_a_client_that_went_away_frees_its_worker(self):
+        self.daemon.ask_often("slow", "v:500")
+        connection = socket.create_connection(("127.0.0.1", self.daemon.port))
+        connection.sendall(b"GET /v1/meshes/slow/distance?from=v:500&to=v:65500 HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        while not self.daemon.metric("workers_busy"):
+            pass
+        connection.close()
+        while self.daemon.metric("workers_busy"):
+            pass
+        self.assertEqual(self.daemon.metric("requests_deferred"), 0)
+        fields = self.daemon.metric("cache_fields")
+        self.ask(500)
+        self.assertEqual(self.daemon.metric("cache_fields") - fields, 1, "its field had been built in spite of it")
+
+
+class Waiting(TestCase):
+    flags = ("--workers", "2", "--queue-length", str(SEARCHES), "--landmarks", "0")
+
+    def test_one_build_and_a_few_searches_for_all_who_ask_at_the_same_time(self):
+        self.daemon.put("ball", sample("icosphere", level=5))
+        builds, searches = self.daemon.metric("cache_builds_total"), self.daemon.metric("searches_total")
+        answers = all_of(150, lambda _: self.daemon.get("/v1/meshes/ball/path?from=v:77&to=p:0,0,-9"))
+        self.assertEqual({answer.status for answer in answers}, {200})
+        for answer in answers:
+            self.assertAlmostEqual(answer.json["distance"], answers[0].json["distance"], 12)
+        self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
+        self.assertLess(self.daemon.metric("searches_total") - searches, SEARCHES)
+
+    def test_who_has_little_time_does_not_wait_for_a_field(self):
+        self.daemon.put("slow", slow_mesh())
+        self.daemon.ask_often("slow", "v:5")
+        url = "/v1/meshes/slow/distance?from=v:5&to=p:9,9,0"
+        builds, waits = self.daemon.metric("cache_builds_total"), self.daemon.metric("cache_waits_total")
+        hasty = self.daemon.get(url + "&timeout_ms=1500")  # less than ten times what such a field may take
+        self.assertIn(hasty.status, (200, 504), hasty)  # slow under sanitizers
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds)
+        self.assertEqual(self.daemon.get(url).status, 200)
+        self.assertEqual(self.daemon.metric("cache_builds_total"), builds + 1)
+        self.assertEqual(self.daemon.metric("cache_waits_total"), waits)
+
+
+class Memory(TestCase):
+    flags = ("--memory-budget", "72MiB", "--max-body", "8MiB", "--workers", "2", "--landmarks", "0")
+
+    def test_fields_are_evicted_and_meshes_refused(self):
+        self.assertEqual(self.daemon.put("ball", sample("icosphere", level=5)).status, 201)
+        for source in range(0, 200, 10):
+            self.daemon.ask_often("ball", f"v:{source}")
+            self.assertEqual(self.daemon.get(f"/v1/meshes/ball/distance?from=v:{source}&to=p:0,0,-9").status, 200)
+        self.assertGreater(self.daemon.metric("cache_evictions_total"), 0)
+        large = self.daemon.put("large", sample("icosphere", level=7)[: 8 << 20])
+        problem = self.assert_problem(large, 507, "insufficient_memory")
+        self.assertEqual(problem["limit"], 72 << 20)
+        self.assertEqual(self.daemon.get("/v1/meshes/ball/distance?from=v:3&to=p:0,0,-9").status, 200)
+        metrics = self.daemon.get("/metrics").body.decode()
+        self.assertIn('memory_bytes{class="flight"} 0\n', metrics)
+        self.assertRegex(metrics, r'memory_bytes\{class="workspaces"\} [1-9]')
+        self.assertIn(f'memory_bytes{{class="spare"}} {(72 << 20) // 16}\n', metrics)
+
+
+class Drain(unittest.TestCase):
+    def busy(self, *flags):
+        """A daemon with a query under way, the query, and a connection that is open."""
+        daemon = Daemon("--workers", "1", *flags)
+        daemon.put("slow", slow_mesh())
+        daemon.ask_often("slow", "v:0")
+        pool = concurrent.futures.ThreadPoolExecutor(2)
+        query = pool.submit(daemon.get, "/v1/meshes/slow/distance?from=v:0&to=p:9,9,0")
+        connection = daemon.connect()
+        while not daemon.metric("workers_busy"):
+            pass
+        daemon.request("GET", "/livez", connection=connection)
+        return daemon, query, connection
+
+    def test_what_is_under_way_is_finished(self):
+        daemon, query, connection = self.busy()
+        daemon.terminate()
+        while "draining" not in [line["event"] for line in daemon.log]:
+            time.sleep(0.001)
+        ready = daemon.request("GET", "/readyz", connection=connection)
+        self.assertEqual((ready.status, ready.json["status"], ready.headers["Connection"]), (503, "draining", "close"))
+        with self.assertRaises(OSError):
+            daemon.get("/livez")
+        self.assertFalse(query.done(), "too fast to watch")
+        self.assertEqual(query.result().status, 200)
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_what_does_not_end_in_time_is_cancelled_and_told(self):
+        daemon, query, _ = self.busy("--drain-ms", "10")
+        daemon.terminate()
+        answer = query.result()
+        self.assertEqual((answer.status, answer.json["code"]), (503, "draining"))
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_interrupt_ends_it_too(self):
+        daemon = Daemon()
+        daemon.process.send_signal(signal.SIGINT)
+        self.assertEqual(daemon.stop(), 0)
+        self.assertEqual(daemon.log[-1]["event"], "stopped")
+
+
+class Crowd(TestCase):
+    flags = ("--workers", "2", "--http-threads", "2", "--memory-budget", "128MiB", "--max-body", "4MiB")
+    COUNTERS = ("cache_builds_total", "cache_hits_total", "cache_waits_total", "cache_evictions_total")
+    ALLOWED = {"PUT": {200, 201}, "GET": {200, 400, 404}, "DELETE": {204, 404}}
+
+    def setUp(self):
+        self.files = [sample("icosphere", level=4), sample("torus"), sample("grid", columns=64, rows=64)]
+        self.daemon.put("m3", sample("icosphere", level=5))  # nobody changes it: its fields stay until they are evicted
+        self.wrong, self.is_over = [], threading.Event()
+        self.counter = itertools.count()
+
+    def request(self, method, path, body=None):
+        answer = self.daemon.request(method, path, body)
+        if answer.status not in self.ALLOWED[method]:
+            self.wrong.append((method, path, answer))
+
+    def change(self, seed):
+        """Uploads, replaces and deletes."""
+        chance = random.Random(seed)
+        while not self.is_over.wait(0.05):
+            body = chance.choice([None, *self.files])
+            self.request("PUT" if body else "DELETE", f"/v1/meshes/m{chance.randrange(3)}", body)
+
+    def query(self, seed):
+        """Asks about one point so often, together with others, that a field is built and used, then about the next."""
+        chance = random.Random(seed)
+        while not self.is_over.is_set():
+            source = next(self.counter) // 50
+            self.request("GET", f"/v1/meshes/m{source % 4}/path?from=v:{source % 300}&to=v:{chance.randrange(300)}")
+
+    def test_everything_at_the_same_time(self):
+        """Every answer is one that is allowed, while fields are built, waited for, used and evicted."""
+        enough, late = time.monotonic() + 3, time.monotonic() + PATIENCE_SECONDS
+        threads = [threading.Thread(target=self.change if number < 2 else self.query, args=(number,))
+                   for number in range(8)]
+        for thread in threads:
+            thread.start()
+        counts = []
+        while time.monotonic() < enough or (min(counts) == 0 and time.monotonic() < late):
+            time.sleep(0.2)
+            counts = [self.daemon.metric(name) for name in self.COUNTERS]
+        self.is_over.set()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(self.wrong, [])
+        self.assertGreater(min(counts), 0, dict(zip(self.COUNTERS, counts)))
+
+
+if __name__ == "__main__":
+    unittest.main()
