@@ -1,40 +1,16 @@
-"""What a durable store promises: conditions, restarts, memory, a warm cache, damage, the operator's tools."""
+"""What a durable store promises: conditions, restarts, memory, a warm cache, the operator's tools."""
 import concurrent.futures
-import contextlib
-import hashlib
 import json
 import os
 import pathlib
 import shutil
 import signal
-import sqlite3
-import subprocess
-import tarfile
 import threading
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, TestCase, header_fields, sample
+from harness import SQUARE, TETRAHEDRON, Daemon, TestCase, header_fields, sample
+from stored import Stored
 from test_batches import begin, results, wait
-
-HERE = pathlib.Path(__file__).resolve().parent
-
-
-class Stored(Folder):
-    def tool(self, *flags, folder=None):
-        return subprocess.run([PROGRAM, "--data-dir", folder or self.folder, *flags], capture_output=True, text=True,
-                              timeout=PATIENCE_SECONDS)
-
-    def events(self, daemon):
-        return [line["event"] for line in daemon.log]
-
-    def flip(self, path, at=0.5):
-        """Damages a byte of a file."""
-        content = bytearray(path.read_bytes())
-        content[int(at * len(content))] ^= 4
-        path.write_bytes(content)
-
-    def objects(self):
-        return [path for path in self.folder.glob("objects/*/*")]
 
 
 class Conditions(TestCase):
@@ -237,191 +213,6 @@ class Fields(Stored):
         with self.start("--persist-fields") as daemon:
             self.assertEqual(list(self.folder.glob("fields/*")), [])
             self.assertEqual(daemon.get("/v1/meshes/ball/distance?from=v:0&to=v:2").status, 200)
-
-
-class Damage(Stored):
-    def fill(self):
-        with self.start() as daemon:
-            for name, file in (("a", SQUARE), ("b", TETRAHEDRON)):
-                daemon.put(name, file)
-            return {name: daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body for name in "ab"}
-
-    def test_a_folder_that_has_gone_is_the_operators_matter(self):
-        with self.start() as daemon:
-            for folder, name in (("manifests", "a"), ("objects", "b")):
-                away = self.folder / (folder + "-away")
-                (self.folder / folder).rename(away)
-                answer = daemon.put(name, SQUARE)
-                self.assertEqual((answer.status, answer.json["code"]), (507, "insufficient_storage"), answer)
-                self.assertIn("tell its operator", answer.json["detail"])
-                self.assertEqual(daemon.get(f"/v1/meshes/{name}").status, 404)
-                away.rename(self.folder / folder)
-                self.assertEqual(daemon.put(name, SQUARE).status, 201)
-            self.assertEqual(len([line for line in daemon.log if line.get("event") == "store_refused" and "No such file" in line["message"]]), 2)
-
-    def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
-        answers = self.fill()
-        sha = json.loads(subprocess.run(["sed", "-n", "s/^description //p", self.folder / "manifests/a.manifest"],
-                                        capture_output=True, check=True).stdout)["sha256"]
-        self.flip(self.folder / "objects" / sha[:2] / sha)
-        check = self.tool("--check-store")
-        self.assertEqual(check.returncode, 1)
-        self.assertIn("damaged or can't be read: a", check.stdout)
-        with self.start() as daemon:
-            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2")
-            self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
-            self.assertIn("upload the mesh again", answer.json["detail"])
-            self.assertEqual(daemon.get("/v1/meshes/b/distance?from=v:0&to=v:2").body, answers["b"])
-            self.assertEqual(daemon.get("/v1/meshes/a").status, 200)
-            self.assertEqual(daemon.put("a", SQUARE).status, 200)
-            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answers["a"])
-        self.assertEqual(self.tool("--check-store").returncode, 0)
-        (self.folder / "objects" / sha[:2] / sha).unlink()
-        with self.start() as daemon:
-            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2")
-            self.assertEqual((answer.status, answer.json["code"]), (500, "internal"))
-            self.assertEqual(daemon.put("a", SQUARE).status, 200)
-
-    def test_a_damaged_file_is_sent_again_while_its_mesh_is_in_memory(self):
-        with self.start() as daemon:
-            daemon.put("a", SQUARE)
-            answer = daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body
-            for damage in (self.flip, pathlib.Path.unlink, lambda path: os.truncate(path, 3)):
-                damage(self.objects()[0])
-                self.assertEqual(daemon.put("a", SQUARE).status, 200)
-                self.assertEqual(self.objects()[0].read_bytes(), SQUARE)
-            self.assertEqual(daemon.metric("mesh_loads_total"), 0)
-            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answer)
-
-    def test_the_same_is_sent_again_while_the_name_changes(self):
-        """The mesh in memory may have been another's by the time its file is looked at."""
-        with self.start("--workers", "2") as daemon:
-            files = (SQUARE, TETRAHEDRON)
-            with concurrent.futures.ThreadPoolExecutor(6) as pool:
-                answers = list(pool.map(lambda i: daemon.put("a", files[i // 3 % 2]), range(300)))
-            self.assertEqual({answer.status for answer in answers} - {200, 201}, set())
-            last = daemon.get("/v1/meshes/a").json
-            daemon.ask_often("a", "v:0")
-            self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:1").status, 200)
-            self.assertEqual(daemon.get("/v1/meshes/a").json["fields_cached"], 1, "the shelf was closed")
-        with self.start() as daemon:
-            self.assertEqual(daemon.get("/v1/meshes/a").json["sha256"], last["sha256"])
-
-    def test_a_damaged_database_is_made_again(self):
-        answers = self.fill()
-        for damage in (lambda path: self.flip(path, 0.01), lambda path: path.write_bytes(b"no database at all" * 300),
-                       lambda path: path.unlink(), lambda path: path.write_bytes(path.read_bytes()[:5000])):
-            damage(self.folder / "geodesicd.db")
-            with self.start() as daemon:
-                for name, answer in answers.items():
-                    self.assertEqual(daemon.get(f"/v1/meshes/{name}/distance?from=v:0&to=v:2").body, answer)
-            self.assertEqual(self.tool("--check-store").returncode, 0)
-        self.assertTrue(list(self.folder.glob("geodesicd.db.damaged-*")))
-
-    def test_a_damaged_or_missing_manifest_is_written_again(self):
-        answers = self.fill()
-        for damage in (self.flip, pathlib.Path.unlink, lambda path: path.write_bytes(b"")):
-            damage(self.folder / "manifests/a.manifest")
-            self.assertEqual(self.tool("--check-store").returncode, 1)
-            with self.start() as daemon:
-                self.assertIn("store_mended", self.events(daemon))
-                self.assertEqual(daemon.get("/v1/meshes/a/distance?from=v:0&to=v:2").body, answers["a"])
-            self.assertEqual(self.tool("--check-store").returncode, 0)
-
-    def test_a_later_version_is_respected(self):
-        for later in ((b"geodesicd record 2\n", b"geodesicd record 3\n"), (b"kind mesh\n", b"kind dodecahedron\n")):
-            self.fill()
-            path = self.folder / "manifests/a.manifest"
-            body = path.read_bytes().replace(*later)
-            body = body[: body.rindex(b"checksum ")]
-            path.write_bytes(body + b"checksum " + hashlib.sha256(body).hexdigest().encode() + b"\n")
-            result = self.tool("--listen", "127.0.0.1:0")
-            self.assertEqual(result.returncode, 1)
-            self.assertIn("later version", result.stderr)
-            shutil.rmtree(self.folder)
-
-
-class Earlier(Stored):
-    """A data folder that the version before there were kinds has left: two meshes, one of them used."""
-    QUAD = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
-    ETAGS = {"b.c": "8f4dfe45ae4ca44551131943695e5ea4", "square": "b63e441c952b3224dec8e246512b0075"}
-
-    def setUp(self):
-        super().setUp()
-        with tarfile.open(HERE.parent / "data/store-1.tar.gz") as archive:
-            archive.extractall(self.folder)
-
-    def query(self, database, sql):
-        connection = sqlite3.connect(f"file:{self.folder / database}?mode=ro", uri=True)
-        with contextlib.closing(connection):
-            return connection.execute(sql).fetchall()
-
-    def assert_serves_both(self, daemon):
-        meshes = {mesh["name"]: mesh for mesh in daemon.get("/v1/meshes").json["meshes"]}
-        self.assertEqual({name: mesh["etag"] for name, mesh in meshes.items()}, self.ETAGS)
-        self.assertEqual(meshes["b.c"]["created"], "2026-11-21T20:58:06Z")
-        answer = daemon.get("/v1/meshes/square/distance?from=v:0&to=v:2")
-        self.assertEqual((answer.status, answer.headers["ETag"]), (200, f'"{self.ETAGS["square"]}"'))
-        self.assertAlmostEqual(answer.json["distance"], 2 ** 0.5, 14)
-        self.assertEqual(daemon.get("/v1/meshes/b.c/distance?from=v:0&to=v:3").json["distance"], 1)
-
-    def test_it_is_checked_and_copied_as_it_is(self):
-        copy = pathlib.Path(self.place.name) / "copy"
-        for folder in (self.folder, copy):
-            check = self.tool("--check-store", folder=folder)
-            self.assertEqual((check.returncode, check.stderr), (0, ""), check)
-            self.assertRegex(check.stdout, r"^2 manifests, 2 rows, 2 files \(106 bytes\), 0 fields verified: 0 faults\n$")
-            if folder == self.folder:
-                backup = self.tool("--backup", copy)
-                self.assertEqual(backup.returncode, 0, backup)
-        self.assertEqual(self.query("geodesicd.db", "PRAGMA user_version"), [(1,)])
-        with Daemon("--data-dir", str(copy)) as daemon:
-            self.assert_serves_both(daemon)
-
-    def test_it_is_brought_up_and_a_copy_of_its_database_kept(self):
-        before = self.query("geodesicd.db", "SELECT name, sha256, record, uses, used FROM surfaces")
-        self.assertGreater(sum(row[3] for row in before), 0, "nothing was used")
-        with self.start() as daemon:
-            self.assert_serves_both(daemon)
-            self.assertNotIn("store_mended", self.events(daemon))
-            self.assertNotIn("store_database_damaged", self.events(daemon))
-        self.assertEqual(self.query("geodesicd.db", "PRAGMA user_version"), [(2,)])
-        self.assertEqual(self.query("geodesicd.db.before-migration", "PRAGMA user_version"), [(1,)])
-        self.assertEqual(
-            self.query("geodesicd.db.before-migration", "SELECT name, sha256, record, uses, used FROM surfaces"), before)
-        after = self.query("geodesicd.db", "SELECT key, file, record FROM surfaces")
-        self.assertEqual(after, [row[:3] for row in before])
-        self.assertEqual(self.tool("--check-store").returncode, 0)
-
-    def test_it_is_used_as_one_of_today(self):
-        with self.start() as daemon:
-            known = self.ETAGS["square"]
-            self.assertEqual(daemon.put("square", self.QUAD, If_Match='"other"').status, 412)
-            same = daemon.put("square", self.QUAD, If_Match=f'"{known}"')
-            self.assertEqual((same.status, same.headers["ETag"]), (200, f'"{known}"'))
-            self.assertEqual(same.json["created"], "2026-11-21T20:58:06Z")
-            self.assertEqual(daemon.put("b.c", SQUARE).status, 200)
-            self.assertEqual(daemon.put("new", TETRAHEDRON).status, 201)
-            self.assertEqual(daemon.request("DELETE", "/v1/meshes/square").status, 204)
-        with self.start() as daemon:
-            self.assertEqual([mesh["name"] for mesh in daemon.get("/v1/meshes").json["meshes"]], ["b.c", "new"])
-            self.assertEqual(daemon.get("/v1/meshes/b.c/distance?from=v:0&to=v:2").status, 200)
-        self.assertEqual(self.tool("--check-store").returncode, 0)
-
-    def test_its_manifests_alone_are_enough(self):
-        for damage in (pathlib.Path.unlink, lambda path: path.write_bytes(b"no database at all" * 300)):
-            damage(self.folder / "geodesicd.db")
-            with self.start() as daemon:
-                self.assert_serves_both(daemon)
-            self.assertEqual(self.tool("--check-store").returncode, 0)
-
-    def test_its_rows_alone_are_enough(self):
-        for path in self.folder.glob("manifests/*"):
-            path.unlink()
-        with self.start() as daemon:
-            self.assertEqual(self.events(daemon).count("store_mended"), 2)
-            self.assert_serves_both(daemon)
-        self.assertEqual(self.tool("--check-store").returncode, 0)
 
 
 class Tools(Stored):
