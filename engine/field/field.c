@@ -22,11 +22,12 @@ static enum gd_status check_request(const struct gd_field_request *request, stru
 static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_request *request)
 {
     field->seed_count = request->seed_count;
-    field->seeds = calloc(request->seed_count, sizeof *field->seeds);
+    field->seeds = malloc(request->seed_count * sizeof *field->seeds);
     if (!field->seeds) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < request->seed_count; i++) {
         const struct gd_seed *from = &request->seeds[i];
-        struct gd__seed *seed = &field->seeds[i]; /* its gaps stay zero: they are written to images */
+        struct gd__seed *seed = &field->seeds[i];
+        memset(seed, 0, sizeof *seed); /* its gaps, too: they are written to images */
         seed->point = from->point;
         seed->offset = from->offset / field->mesh->unit;
         seed->is_segment = from->is_segment;
