@@ -336,7 +336,7 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc ## each promise tested in its 
 	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
 	    "tests/fault/flip.py --flips 2000" "tests/fault/overload.py --seconds 20" "tests/fault/disconnect.py --count 80000 --tls-count 20000" \
 	    "tests/fault/deadline.py --count 8000" "tests/fault/soak.py --seconds 4200 --pause 5 --svg $(BUILD)/soak.svg" \
-	    "hostile HTTP, directly and behind HAProxy | 0 accepted | tests/api/run.py test_hostile test_proxy" \
+	    "hostile HTTP, directly and behind HAProxy | 0 accepted | tests/api/run.py test_hostile test_slow_clients test_proxy" \
 	    "hostile JSON | 400 or 413, fast | tests/api/run.py test_malformed" \
 	    "one tenant does not see another | byte-identical 404s | tests/api/run.py test_tenants test_access" \
 	    "a web page does not reach a daemon without keys | 403 | tests/api/run.py test_service" \

@@ -117,6 +117,7 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
 enum gd_status server_query_hold_draft(struct server_query *query)
 {
     size_t more = query->draft.capacity - query->drafted;
+    if (!more) return GD_OK;
     enum gd_status status = server_query_take(query, more);
     if (!status) query->drafted += more;
     return status;
