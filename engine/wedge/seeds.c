@@ -1,5 +1,8 @@
 #include "wedge/joint.h"
 
+/* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
+ * behind it at right angles; a joint, where segments of a curve end, only what lies behind them. */
+
 #define ARRAYS       6 /* of struct gd__windows */
 #define BLOCKS_AHEAD 2
 #define EDGES_AHEAD  12 /* seeds: see prefetch_seeds */
@@ -8,17 +11,14 @@
 /* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
 #define ASKING static inline __attribute__((always_inline)) void
 
-/* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
- * behind it at right angles; a joint, where segments of a curve end, only what lies behind them. */
-
 /* --- points -------------------------------------------------------------------------------------------------------------- */
 
 /* Most windows begin a list, in a block of the pool that nobody has seen for long: asks for the lines that one some windows on will fill. */
 ASKING prefetch_block(const struct gd__pool *pool)
 {
     const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double); /* of a block for one window: two groups */
-    for (size_t i = 0; i < ARRAYS; i++)
-        __builtin_prefetch(pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM + i * array, 1);
+    uintptr_t block = (uintptr_t)pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM; /* perhaps beyond the chunk */
+    for (size_t i = 0; i < ARRAYS; i++) __builtin_prefetch((const void *)(block + i * array), 1);
 }
 
 /* Offers a side a seed's window. */
