@@ -208,11 +208,13 @@ static void triple(struct writing *writing, const char *key, const double values
     text(writing, "]");
 }
 
-static void describe_view(struct writing *writing, uint64_t size, unsigned target)
+/* `stride`: bytes from element to element, which a view of several accessors has to tell; 0: it has one. */
+static void describe_view(struct writing *writing, uint64_t size, unsigned stride, unsigned target)
 {
     text(writing, writing->views++ ? ",{\"buffer\":0" : "{\"buffer\":0");
     member(writing, ",\"byteOffset\":", writing->bytes);
     member(writing, ",\"byteLength\":", size);
+    if (stride) member(writing, ",\"byteStride\":", stride);
     member(writing, ",\"target\":", target);
     text(writing, "}");
     writing->bytes += size;
@@ -225,14 +227,14 @@ static void describe_views(struct writing *writing)
     for (uint32_t line = 0; line < result->line_count; line++) points += strip_points(result, line);
     text(writing, ",\"bufferViews\":[");
     if (result->mesh) {
-        describe_view(writing, 12 * vertices, TARGET_VERTICES);
-        describe_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), TARGET_INDICES);
+        describe_view(writing, 12 * vertices, 0, TARGET_VERTICES);
+        describe_view(writing, 4 * (uint64_t)gd_polygons_corner_count(result->mesh), 0, TARGET_INDICES);
     }
     if (result->distances) {
-        describe_view(writing, 8 * vertices, TARGET_VERTICES);
-        describe_view(writing, 4 * vertices, TARGET_VERTICES);
+        describe_view(writing, 8 * vertices, 0, TARGET_VERTICES);
+        describe_view(writing, 4 * vertices, 0, TARGET_VERTICES);
     }
-    if (points) describe_view(writing, 12 * points, TARGET_VERTICES);
+    if (points) describe_view(writing, 12 * points, result->line_count > 1 ? 12 : 0, TARGET_VERTICES);
     text(writing, "]");
 }
 

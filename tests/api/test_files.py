@@ -244,7 +244,8 @@ class Others(Files):
     def test_others_read_what_is_written(self):
         path, values = self.values_of("torus")
         files = {"mesh": self.daemon.get("/v1/meshes/torus/content?format=glb").body, "field": self.get_file(path, "glb"),
-                 "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb")}
+                 "path": self.get_file(Paths.QUESTION, "glb"), "both": self.get_file(Paths.QUESTION + "&mesh=true", "glb"),
+                 "isolines": self.get_file(path.replace("values", "isolines") + "?count=2&mesh=true", "glb")}
         with tempfile.TemporaryDirectory() as folder:
             for name, body in files.items():
                 (pathlib.Path(folder) / name).write_bytes(body)
@@ -253,7 +254,7 @@ class Others(Files):
         self.assertEqual(len(reports), len(files), done.stdout)
         for name, report in reports.items():
             self.assertEqual((report["errors"], report["warnings"]), (0, 0), (name, report["messages"]))
-        self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"]])
+        self.assertEqual([[o["type"] for o in report["objects"]] for report in reports.values()], [["Mesh"], ["Mesh"], ["Line"], ["Mesh", "Line"], ["Mesh", "Line", "Line", "Line"]])
         mesh = reports["mesh"]["objects"][0]
         sent = [line.split()[1:] for line in sample("torus", columns=12, rows=7).decode().splitlines() if line.startswith("v ")]
         for i, position in enumerate(sent):

@@ -127,6 +127,16 @@ static void writes_meshes_beside_lines(void **state)
     free(bytes);
 }
 
+/* Several accessors of one view: its stride has to be told (glTF 2.0, 3.6.2.4). */
+static void tells_the_stride_of_lines(void **state)
+{
+    (void)state;
+    size_t size;
+    char *bytes = written(&(struct gd_result){.points = points, .first = first, .line_count = 2}, GD_RESULT_GLB, &size);
+    assert_non_null(memmem(bytes, size, ",\"byteStride\":12,", 17));
+    free(bytes);
+}
+
 /* What is lost is a part in 2^24 of the mesh's size, at any scale and however far away it lies; floats lose nothing. */
 static void keeps_far_meshes(void **state)
 {
@@ -183,6 +193,7 @@ int main(void)
         cmocka_unit_test(writes_distances_into_ply),
         cmocka_unit_test(writes_colours_into_glb),
         cmocka_unit_test(writes_meshes_beside_lines),
+        cmocka_unit_test(tells_the_stride_of_lines),
         cmocka_unit_test(keeps_far_meshes),
         cmocka_unit_test(refuses_what_it_cant_hold),
     };
