@@ -122,16 +122,13 @@ static inline void append(struct chain *chain, bool more, bool coalesce, mask ke
         g.source = ids_compress(keep, source);
     }
     g.own_b1 = g.b1;
-    lanes offered_b0 = last_of(g.b0, g.count), offered_x = last_of(g.x, g.count), offered_y = last_of(g.y, g.count);
-    if (coalesce) {
-        mask joined = find_joined(chain, &g, first_lanes(g.count));
-        if (any(joined)) join(chain, &g, joined);
-    }
+    mask joined = coalesce ? find_joined(chain, &g, first_lanes(g.count)) : mask_of(0);
     if (more) {
-        chain->offered_b0 = offered_b0;
-        chain->offered_x = offered_x;
-        chain->offered_y = offered_y;
+        chain->offered_b0 = last_of(g.b0, g.count);
+        chain->offered_x = last_of(g.x, g.count);
+        chain->offered_y = last_of(g.y, g.count);
     }
+    if (any(joined)) join(chain, &g, joined);
     if (!g.count) return;
     const struct gd__windows *out = &chain->list->at;
     lanes b0_before = after(chain->b0, g.b0), b1_before = after(chain->b1, g.b1), whole_b0 = g.b0, whole_b1 = g.b1;

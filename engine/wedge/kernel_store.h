@@ -1,29 +1,18 @@
 /* Part of kernel_lanes.h: windows written as wedges. */
-/* No start lies behind the end of the one before by more than what counts as adjacent, and the first and the last reach the edge's ends. */
-static inline mask gap_before(lanes b0, lanes end_before, lanes tolerance)
-{
-    return gt(b0, end_before + tolerance);
-}
-
 /* Starts of wedges, in units of 2^-32 of the edge; of those in `at_end` that is the edge's end, whatever rounding made of it. */
 static inline lanes starts_of(lanes b, double scale, mask at_end)
 {
     return pick(at_end, all(0), lesser(greater(b * all(scale), all(0)), all(GD__WEDGE_LATEST)));
 }
 
-/* Whether there is a gap between two of the windows; and whether there is one before the first and behind the last. */
-static bool has_gaps(const struct gd__windows *w, uint32_t count, double length, bool *before, bool *behind)
+/* Whether a start lies behind the end of the window before it by more than what counts as adjacent. */
+static bool has_gaps(const struct gd__windows *w, uint32_t count, double length)
 {
     const lanes tolerance = all(GD_TOL_ADJACENT * length);
-    lanes end = all(w->b0[0]);
-    for (uint32_t i = 0; i < count; i += LANES) {
-        uint32_t active = count - i < LANES ? count - i : LANES;
-        lanes b1 = load(w->b1 + i);
-        if (any(both(first_lanes(active), gap_before(load(w->b0 + i), after(end, b1), tolerance)))) return true;
-        end = last_of(b1, active);
+    for (uint32_t i = 0; i + 1 < count; i += LANES) {
+        mask gap = gt(load(w->b0 + i + 1), load(w->b1 + i) + tolerance);
+        if (any(both(first_lanes(count - 1 - i), gap))) return true;
     }
-    *before = w->b0[0] > GD_TOL_ADJACENT * length;
-    *behind = first_of(end) + GD_TOL_ADJACENT * length < length;
     return false;
 }
 
@@ -61,9 +50,8 @@ static void store_gap(struct gd__wedges to, uint32_t at, double b, double length
 
 static uint32_t store_wedges(const struct gd__windows *w, uint32_t count, double length, bool mirrored, double *data)
 {
-    bool before, behind;
-    if (WITH_LINEAR || has_gaps(w, count, length, &before, &behind))
-        return 0; /* linear: in another form, see wedges.c */
+    if (WITH_LINEAR || has_gaps(w, count, length)) return 0; /* linear: in another form, see wedges.c */
+    bool before = w->b0[0] > GD_TOL_ADJACENT * length, behind = w->b1[count - 1] + GD_TOL_ADJACENT * length < length;
     bool first = mirrored ? behind : before, last = mirrored ? before : behind;
     uint32_t total = count + first + last;
     struct gd__wedges whole = gd__wedges_at(data, total), to = {whole.x + first, whole.y + first, whole.start + first};

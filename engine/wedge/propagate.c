@@ -5,7 +5,7 @@
 #define BESIDE       0.01 /* of the edge's length: a ray that passes the apex farther off did not lose it by rounding */
 #define LINE         64   /* bytes */
 #define LINES_BEFORE 16   /* a few lists' wedges */
-#define LINES_AHEAD  6    /* one list's */
+#define LINES_AHEAD  3    /* one list's */
 
 /* Wedges are written to memory that has not been seen yet: asks for the lines that a few lists on will fill. */
 static inline __attribute__((always_inline)) void prefetch_ahead(const char *end)
@@ -63,20 +63,22 @@ static void hand_on(struct gd__wavefront *front, const struct gd__receiver *to, 
     gd__wavefront_deliver(front, to, children);
 }
 
-/* The ray through that end of the window leaves (px, py) at a distance of more than `apart`. */
-static inline bool passes_far_off(const struct gd__window *w, double end, double px, double py, double apart)
+/* The ray through that end of a window leaves (px, py) at a distance of more than `apart`. */
+static inline bool passes_far_off(const struct gd__windows *w, uint32_t at, double end, double px, double py,
+                                  double apart)
 {
-    double ex = end - w->x;
-    return !gd__window_is_linear(w) && fabs(ex * (py + w->y) - w->y * (px - w->x)) > apart * (fabs(ex) + w->y);
+    double ex = end - w->x[at], y = w->y[at];
+    return fabs(ex * (py + y) - y * (px - w->x[at])) > apart * (fabs(ex) + y) && !gd__source_is_linear(w->source[at]);
 }
 
 /* Offers the apex the way round the end of a window beside it. It counts where the window that would see the apex has been cut off by rounding: the
  * two that the apex lies between are all there is to ask. */
-static void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd__windows *w, uint32_t at, double end)
+static inline void bend(struct gd__apex *apex, const struct gd_side *s, const struct gd__windows *w, uint32_t at,
+                        double end)
 {
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, fx = px - end;
+    if (passes_far_off(w, at, end, px, py, BESIDE * s->length)) return;
     struct gd__window window = gd__windows_get(w, at);
-    if (passes_far_off(&window, end, px, py, BESIDE * s->length)) return;
     if (!(gd__window_distance_beyond(&window, px, py) < apex->distance)) return;
     double distance = gd__window_distance(&window, end) + sqrt(fx * fx + py * py);
     if (distance >= apex->distance * (1 - GD_TOL_BETTER)) return;

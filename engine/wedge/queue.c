@@ -54,9 +54,9 @@ void gd__queue_begin(struct gd__queue *queue, double key)
     queue->current = number > BEFORE ? number - BEFORE : 0;
 }
 
+/* Of a bucket that is full. */
 static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
 {
-    if (bucket->count < bucket->capacity) return true;
     if (!bucket->capacity && queue->spare_count) {
         *bucket = queue->spare[--queue->spare_count];
         return true;
@@ -75,6 +75,24 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
     return true;
 }
 
+static inline void enter(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
+                         uint32_t *waiting)
+{
+    *waiting = number;
+    bucket->nodes[bucket->count++] = node;
+    queue->size++;
+}
+
+/* Apart, so that a push need not save registers for what is seldom. */
+__attribute__((noinline)) static void enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node,
+                                                 uint32_t number, uint32_t *waiting)
+{
+    if (make_room(queue, bucket))
+        enter(queue, bucket, node, number, waiting);
+    else
+        queue->out_of_memory = true;
+}
+
 void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting)
 {
     uint32_t number = number_of(queue, key);
@@ -82,13 +100,10 @@ void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t
     if (number > queue->current + MASK) number = queue->current + MASK;
     if (*waiting <= number) return; /* GD_NONE is larger than any */
     struct gd__bucket *bucket = &queue->bucket[number & MASK];
-    if (!make_room(queue, bucket)) {
-        queue->out_of_memory = true;
-        return;
-    }
-    *waiting = number;
-    bucket->nodes[bucket->count++] = node;
-    queue->size++;
+    if (bucket->count < bucket->capacity)
+        enter(queue, bucket, node, number, waiting);
+    else
+        enter_full(queue, bucket, node, number, waiting);
 }
 
 uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end)
