@@ -1,6 +1,7 @@
 #include "support.h"
 
 #include <jansson.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -152,6 +153,45 @@ static void loses_nothing_when_full(void **state)
                      10000 * strlen("{\"time\":\"2026-01-01T00:00:00.000Z\",\"level\":\"info\",\"event\":\"many\"}\n"));
 }
 
+enum { THREADS = 4, LINES = 5000 };
+
+/* Now and then a line is written at once. */
+static void *say_many(void *number)
+{
+    for (int i = 0; i < LINES; i++) {
+        struct server_log_line line;
+        server_log_begin(&line, SERVER_LOG_INFO, "many");
+        server_log_integer(&line, "thread", *(const int *)number);
+        server_log_integer(&line, "line", i);
+        (i % 997 ? server_log_end_soon : server_log_end)(&line);
+    }
+    return NULL;
+}
+
+/* Lines may gather no more, and again, while threads have some. */
+static void keeps_the_order_of_each_thread(void **state)
+{
+    struct capture *capture = *state;
+    pthread_t threads[THREADS];
+    int numbers[THREADS], seen[THREADS] = {0}, thread, line;
+    char text[256];
+    server_log_start();
+    for (int i = 0; i < THREADS; i++) {
+        numbers[i] = i;
+        assert_int_equal(pthread_create(&threads[i], NULL, say_many, &numbers[i]), 0);
+    }
+    server_log_stop();
+    server_log_start();
+    for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
+    server_log_stop();
+    rewind(capture->file);
+    while (fgets(text, sizeof text, capture->file)) {
+        assert_int_equal(sscanf(strstr(text, "\"thread\""), "\"thread\":%d,\"line\":%d}", &thread, &line), 2);
+        assert_int_equal(line, seen[thread]++);
+    }
+    for (int i = 0; i < THREADS; i++) assert_int_equal(seen[i], LINES);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -161,6 +201,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(keeps_the_order_of_lines, begin_capture, end_capture),
         cmocka_unit_test_setup_teardown(writes_soon_what_it_gathers, begin_capture, end_capture),
         cmocka_unit_test_setup_teardown(loses_nothing_when_full, begin_capture, end_capture),
+        cmocka_unit_test_setup_teardown(keeps_the_order_of_each_thread, begin_capture, end_capture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
