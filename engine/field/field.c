@@ -61,8 +61,8 @@ static enum gd_status check_edges(const struct gd_field *field)
     const struct gd_mesh *mesh = field->mesh;
     for (uint32_t side = 0; side < 2 * mesh->edge_count; side += 2) {
         double a = field->distance[mesh->origin[side]], b = field->distance[mesh->origin[side + 1]];
-        double through = (a < b ? a : b) + mesh->side[side].length, farther = a < b ? b : a;
-        if (farther > through * (1 + GD_TOL_CHECK) && through <= field->reach) return GD_INTERNAL;
+        double nearer = a < b ? a : b, through = nearer + mesh->side[side].length;
+        if (nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach) return GD_INTERNAL;
     }
     return GD_OK;
 }
