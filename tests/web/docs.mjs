@@ -1,7 +1,7 @@
 // The API's page: every operation of the contract is there, and its example works when it is tried out.
 
 import assert from "node:assert/strict";
-import { PHONE } from "./browser.mjs";
+import { PATIENCE, PHONE } from "./browser.mjs";
 
 const METHODS = ["head", "get", "put", "post", "delete"];
 const ONE_EACH = ["get_livez", "put_mesh", "get_path", "get_picture_png", "post_distance", "put_nurbs", "post_subdivision_trace"];
@@ -41,6 +41,7 @@ async function execute(page, { operationId, tags }) {
 
 async function tryOut(browser) {
   const page = await open(browser);
+  if (browser.settings.all) page.setDefaultTimeout(6 * PATIENCE); // the page slows down as answers stay on it
   await prepare(page);
   const wanted = browser.settings.all ? ({ operationId }) => !ENDLESS.has(operationId) : ({ operationId }) => ONE_EACH.includes(operationId);
   const all = (await operations(browser)).filter(wanted);
