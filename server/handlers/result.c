@@ -64,16 +64,6 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 
 /* --- lines -------------------------------------------------------------------------------------------------------- */
 
-static void find_positions(const struct gd_mesh *mesh, const struct gd_path *path, double (*out)[3])
-{
-    for (uint32_t i = 0; i < path->count; i++) {
-        struct gd_vec3 position = gd_point_position(mesh, &path->points[i]);
-        out[i][0] = position.x;
-        out[i][1] = position.y;
-        out[i][2] = position.z;
-    }
-}
-
 /* `first` tells where each path's points are, and how many there are. */
 static bool write_lines(const struct server_query *query, const struct gd_path *paths, const uint32_t *first,
                         uint32_t count, char **bytes, size_t *size, struct proto_problem *problem)
@@ -81,7 +71,8 @@ static bool write_lines(const struct server_query *query, const struct gd_path *
     static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
     double(*positions)[3] = malloc(first[count] * sizeof *positions);
     if (!positions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    for (uint32_t i = 0; i < count; i++) find_positions(query->surface->mesh, &paths[i], positions + first[i]);
+    for (uint32_t i = 0; i < count; i++)
+        gd_points_positions(query->surface->mesh, paths[i].points, paths[i].count, positions + first[i]);
     const struct gd_result result = {.points = (const double(*)[3])positions, .first = first, .line_count = count};
     bool ok = server_result_write(query, &result, query->with_mesh, formats[query->form - SERVER_FORM_FIRST], bytes,
                                   size, problem);
