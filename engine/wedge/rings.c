@@ -10,6 +10,7 @@
 #define SPACING 12   /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
 #define LEAST   6    /* hops from a vertex to the ring that it is measured by */
 #define GAP     0.08 /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
+#define AHEAD   8    /* vertices: whose records are asked for before they are looked at */
 #define COARSE  1e3  /* edges so many times longer than the bound: floats would tell nothing */
 
 #define OUT_OF_THE_WAY GD_NONE /* in place of hops: no way within the bound passes the vertex by */
@@ -160,10 +161,18 @@ static void leave_out_of_the_way(const struct growth *growth)
     struct gd__rings *rings = &guide->rings;
     for (uint32_t i = growth->first; i < rings->marked_count; i++) {
         uint32_t vertex = rings->marked[i];
+        if (i + AHEAD < rings->marked_count) __builtin_prefetch(&guide->mesh->position[rings->marked[i + AHEAD]]);
         if (!is_between(growth, vertex) &&
             is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target)))
             rings->hops[vertex] = OUT_OF_THE_WAY;
     }
+}
+
+/* Asks for the fan of a vertex that comes up, and where that of a farther one begins. */
+static inline __attribute__((always_inline)) void prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
+{
+    __builtin_prefetch(&mesh->fan_first[far]);
+    __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
 }
 
 /* One hop farther. */
@@ -174,8 +183,10 @@ static enum gd_status grow(struct growth *growth)
     enum gd_status status = GD_OK;
     growth->first = end;
     growth->hops++;
-    for (uint32_t i = first; i < end && !status; i++)
+    for (uint32_t i = first; i < end && !status; i++) {
+        if (i + AHEAD < end) prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2], rings->marked[i + AHEAD]);
         if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = mark_neighbours(growth, rings->marked[i]);
+    }
     leave_out_of_the_way(growth);
     return status;
 }
