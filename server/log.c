@@ -177,7 +177,8 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 
 /* --- to standard error --------------------------------------------------------------------------------------------
  *
- * Lines gather in one text while another one is being written, so that nobody who has a line waits for the system. */
+ * Lines gather in one text while another one is being written, so that nobody who ends a line soon waits for the system
+ * while there is room in it. */
 
 /* Lines that are not written yet. */
 static struct {

@@ -232,8 +232,8 @@
 /* A step from ring to ring (wedge/rings.h) in floats is rounded by this at most, over the search's bound, where no coordinate is larger than that. */
 #define GD_TOL_RING 2e-6
 
-/* Segments of a curve that turn by less than this go on straight: of what lies behind their joint, a sector of that angle, their ends are as near but for
- * its square, and less than what rounding the ends of their wedges leaves out. A place so near to the line across a joint is its own, too. */
+/* Segments of a curve that turn by less than this go on straight: what lies behind their joint is a sector of that angle, to which ways round the ends of the
+ * segments' windows are as short but for its square. A place so near to the line across a joint is its own, too. */
 #define GD_TOL_ONWARD 1e-10
 
 #endif

@@ -37,13 +37,13 @@ static enum gd_status copy_seeds(struct gd_field *field, const struct gd_field_r
 }
 
 /* Of what copy_seeds refused. */
-static enum gd_status fail_on_segments(const struct gd_field *field, struct gd_detail *detail)
+static void fail_on_segments(const struct gd_field *field, struct gd_detail *detail)
 {
     uint32_t i = 0;
     struct gd__home home;
     for (const struct gd__seed *seed = field->seeds; i < field->seed_count; i++, seed++)
         if (seed->is_segment && !gd__segment_home(field->mesh, &seed->point, &seed->end, &home)) break;
-    return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: a segment must join two different points of one face", i);
+    gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: a segment must join two different points of one face", i);
 }
 
 size_t gd__field_bytes(const struct gd_field *field)

@@ -12,7 +12,7 @@ bool gd__ray_has_arrived(const struct gd__trail *trail, uint32_t side, double x,
     struct gd_point point = source < mesh->vertex_count ? gd__point_of_vertex(source)
                                                         : trail->field->seeds[source - mesh->vertex_count].point;
     uint32_t face = mesh->side_face[side];
-    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int k = gd__place_of_side(mesh->face_side[face], side);
     double weight[3];
     if (point.kind == GD_POINT_FACE && point.element != face) return false;
     gd__point_weights(mesh, &point, face, weight);
@@ -141,6 +141,7 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
 {
     const struct gd_mesh *mesh = trail->mesh;
     struct gd_point first = append_end(trail, ray);
+    if (trail->status) return gd__stop_failed(trail, trail->status);
     if (first.kind == GD_POINT_VERTEX) return gd__stop_at(first);
     const struct gd_side *s = &mesh->side[ray.side ^ 1];
     while (trail->steps_left--) {

@@ -4,8 +4,7 @@
 
 static uint32_t number_in_face(const struct gd_mesh *mesh, uint32_t side)
 {
-    const uint32_t *sides = mesh->face_side[mesh->side_face[side]];
-    return sides[0] == side ? 0 : sides[1] == side ? 1 : 2;
+    return (uint32_t)gd__place_of_side(mesh->face_side[mesh->side_face[side]], side);
 }
 
 /* --- around a point ------------------------------------------------------------------------------------------------------ */

@@ -43,7 +43,7 @@ static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side, cons
     uint32_t face = mesh->side_face[side];
     double w[3];
     gd__point_weights(mesh, point, face, w);
-    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int k = gd__place_of_side(mesh->face_side[face], side);
     return gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
 }
 

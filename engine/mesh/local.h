@@ -27,6 +27,12 @@ static inline int gd__place_of_edge(const uint32_t side[3], uint32_t edge)
     return (side[1] >> 1 == edge) + 2 * (side[2] >> 1 == edge);
 }
 
+/* The place of one of a face's sides among them. */
+static inline int gd__place_of_side(const uint32_t sides[3], uint32_t side)
+{
+    return (sides[1] == side) + 2 * (sides[2] == side);
+}
+
 /* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it; all 0 in any other. */
 void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
 

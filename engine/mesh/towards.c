@@ -14,7 +14,7 @@ static double angle_in_face(const struct gd_mesh *mesh, uint32_t side, const str
                             const struct gd_point *to)
 {
     uint32_t face = mesh->side_face[side];
-    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int k = gd__place_of_side(mesh->face_side[face], side);
     int l = (k + 1) % 3, m = (k + 2) % 3;
     double from[3], there[3];
     gd__point_weights(mesh, at, face, from);

@@ -76,7 +76,7 @@ static bool has_arrived(const struct map *map, const struct sight *sight)
     if (source.y > s->left_length * s->left_y + tolerance) return false;
     if (map->from.kind == GD_POINT_FACE && map->from.element != face) return false;
     gd__point_weights(mesh, &map->from, face, w);
-    int k = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int k = gd__place_of_side(mesh->face_side[face], side);
     struct gd__local at = gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
     return w[0] + w[1] + w[2] > 0 && hypot(at.x - source.x, at.y - source.y) <= tolerance;
 }

@@ -78,7 +78,7 @@ static struct gd_point point_at(const struct gd_mesh *mesh, uint32_t side, struc
     double apex = at.y / py, destination = (at.x - apex * px) / s->length;
     double weight[3] = {1 - apex - destination, destination, apex},
            opposite[3] = {s->right_length, s->left_length, s->length}, own[3], sum = 0;
-    int first = mesh->face_side[face][0] == side ? 0 : mesh->face_side[face][1] == side ? 1 : 2;
+    int first = gd__place_of_side(mesh->face_side[face], side);
     for (int k = 0; k < 3; k++) {
         if (weight[k] * area <= snap * opposite[k]) weight[k] = 0;
         sum += weight[k];

@@ -5,6 +5,7 @@
 
 #include "base/large.h"
 #include "base/tolerance.h"
+#include "wedge/asking.h"
 #include "wedge/workspace.h"
 
 /* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way weighed heavier than the straight line or the landmarks say,
@@ -12,7 +13,8 @@
 #define GREED           1.2
 #define LANDMARKS_GREED 1.1
 
-#define CHECK_INTERVAL 1024 /* entries of fans between two looks at the control: well under a millisecond */
+#define CHECK_INTERVAL                                                                                                 \
+    1024 /* entries of fans or vertices of rings between two looks at the control: well under a millisecond */
 
 /* --- nodes --------------------------------------------------------------------------------------------------------------- */
 
@@ -179,7 +181,7 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
 }
 
 /* Asks for the records of the faces round a vertex, of their neighbours and of their corners at once: A* waits for little else. */
-static inline __attribute__((always_inline)) void prefetch(const struct gd__guide *guide, uint32_t vertex)
+GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
     uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];

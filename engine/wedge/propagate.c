@@ -1,3 +1,4 @@
+#include "wedge/asking.h"
 #include "wedge/wavefront.h"
 
 #define REMIND_AFTER 8    /* visits of a side: on meshes of any sense few sides have more than three */
@@ -8,13 +9,13 @@
 #define LINES_AHEAD  3    /* one list's */
 
 /* Wedges are written to memory that has not been seen yet: asks for the lines that a few lists on will fill. */
-static inline __attribute__((always_inline)) void prefetch_ahead(const char *end)
+GD__ASKING prefetch_ahead(const char *end)
 {
     for (int i = 0; i < LINES_AHEAD; i++) __builtin_prefetch(end + (ptrdiff_t)LINE * (LINES_BEFORE + i), 1);
 }
 
 /* What is cast will arrive there. */
-static inline __attribute__((always_inline)) void prefetch_receivers(const struct gd__wavefront *front, uint32_t side)
+GD__ASKING prefetch_receivers(const struct gd__wavefront *front, uint32_t side)
 {
     const struct gd_side *s = &front->mesh->side[side];
     if (front->near || s->left == GD_NONE) return;

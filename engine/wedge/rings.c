@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/tolerance.h"
+#include "wedge/asking.h"
 #include "wedge/guide.h"
 #include "wedge/kernel.h"
 
@@ -155,21 +156,24 @@ static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vert
 }
 
 /* Of the outermost vertices. */
-static void leave_out_of_the_way(const struct growth *growth)
+static enum gd_status leave_out_of_the_way(const struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;
     struct gd__rings *rings = &guide->rings;
-    for (uint32_t i = growth->first; i < rings->marked_count; i++) {
+    enum gd_status status = GD_OK;
+    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
         uint32_t vertex = rings->marked[i];
+        status = gd__guide_step(guide);
         if (i + AHEAD < rings->marked_count) __builtin_prefetch(&guide->mesh->position[rings->marked[i + AHEAD]]);
         if (!is_between(growth, vertex) &&
             is_out_of_the_way(growth, vertex, gd__guide_line(guide, vertex, &guide->target)))
             rings->hops[vertex] = OUT_OF_THE_WAY;
     }
+    return status;
 }
 
 /* Asks for the fan of a vertex that comes up, and where that of a farther one begins. */
-static inline __attribute__((always_inline)) void prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
+GD__ASKING prefetch_fan(const struct gd_mesh *mesh, uint32_t near, uint32_t far)
 {
     __builtin_prefetch(&mesh->fan_first[far]);
     __builtin_prefetch(&mesh->fan[mesh->fan_first[near]]);
@@ -187,8 +191,7 @@ static enum gd_status grow(struct growth *growth)
         if (i + AHEAD < end) prefetch_fan(growth->guide->mesh, rings->marked[i + AHEAD / 2], rings->marked[i + AHEAD]);
         if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = mark_neighbours(growth, rings->marked[i]);
     }
-    leave_out_of_the_way(growth);
-    return status;
+    return status ? status : leave_out_of_the_way(growth);
 }
 
 /* --- drawing ------------------------------------------------------------------------------------------------------------- */
@@ -303,7 +306,7 @@ static enum gd_status draw(struct growth *growth)
     enum gd_status status = begin(guide);
     if (!status) status = make_room_to_mark(guide, 4);
     for (int k = 0; k < 4 && guide->target.corner[k] != GD_NONE && !status; k++) mark(growth, guide->target.corner[k]);
-    leave_out_of_the_way(growth);
+    if (!status) status = leave_out_of_the_way(growth);
     while (growth->first < rings->marked_count && !status) {
         if (growth->hops && growth->hops % SPACING == 0) status = add_ring(growth);
         if (!status) status = grow(growth);

@@ -1,3 +1,4 @@
+#include "wedge/asking.h"
 #include "wedge/joint.h"
 
 /* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
@@ -8,13 +9,10 @@
 #define EDGES_AHEAD  12 /* seeds: see prefetch_seeds */
 #define FACES_AHEAD  6
 
-/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
-#define ASKING static inline __attribute__((always_inline)) void
-
 /* --- points -------------------------------------------------------------------------------------------------------------- */
 
 /* Most windows begin a list, in a block of the pool that nobody has seen for long: asks for the lines that one some windows on will fill. */
-ASKING prefetch_block(const struct gd__pool *pool)
+GD__ASKING prefetch_block(const struct gd__pool *pool)
 {
     const size_t array = 2 * GD__WINDOWS_GROUP * sizeof(double); /* of a block for one window: two groups */
     uintptr_t block = (uintptr_t)pool->cursor + 2 * BLOCKS_AHEAD * GD__LIST_POOL_ITEM; /* perhaps beyond the chunk */
@@ -74,7 +72,8 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
         spread[k] = gd__spread_in_face(&joint, k);
         seed_apex(front, seed, sides[k], at[k], &spread[k]);
     }
-    for (int k = 0; k < 3 && !gd__is_straight(&spread[0]); k++) {
+    if (gd__is_straight(&spread[0])) return;
+    for (int k = 0; k < 3; k++) {
         struct gd__local origin = {-at[k].x, -at[k].y}, destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
         seed_across(front, seed, sides[k], at[k], gd__part_behind(&spread[k], origin, destination));
     }
@@ -210,12 +209,12 @@ static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying,
 /* Side 0 of the edge that a joint lies on; GD_NONE: that seed is none such. */
 static uint32_t side_of_joint(const struct gd__wavefront *front, uint32_t seed)
 {
+    if (seed >= front->seed_count) return GD_NONE;
     const struct gd__seed *s = &front->seeds[seed];
-    return seed < front->seed_count && s->point.kind == GD_POINT_EDGE && !s->is_segment ? 2 * s->point.element
-                                                                                        : GD_NONE;
+    return s->point.kind == GD_POINT_EDGE && !s->is_segment ? 2 * s->point.element : GD_NONE;
 }
 
-ASKING prefetch_side(const struct gd__wavefront *front, uint32_t side)
+GD__ASKING prefetch_side(const struct gd__wavefront *front, uint32_t side)
 {
     __builtin_prefetch(&front->mesh->side[side]);
     __builtin_prefetch(&front->mesh->side[side ^ 1]);
@@ -224,7 +223,7 @@ ASKING prefetch_side(const struct gd__wavefront *front, uint32_t side)
 }
 
 /* Asks for the edge of a joint ahead, and then for the two faces there. */
-ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
+GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t far = side_of_joint(front, seed + EDGES_AHEAD), near = side_of_joint(front, seed + FACES_AHEAD);

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "wedge/asking.h"
+
 #define BUCKET_WIDTH                                                                                                   \
     0.3 /* of the grain: narrower costs rounds, wider sends windows on in pieces, which is quadratic on needles */
 #define KEY_WEIGHT    0.25 /* a side's key between the nearer and the farther end's distance */
@@ -256,11 +258,8 @@ static void work_on_vertex(struct gd__wavefront *front, uint32_t vertex)
     if (front->near) leave(front, &front->near->vertices, &gd__near_vertex(front->near, vertex)->page);
 }
 
-/* GCC takes a function that does nothing but prefetch for one without effects and leaves its calls out, unless it is inlined first. */
-#define ASKING static inline __attribute__((always_inline)) void
-
 /* Asks, in three steps, for what a node in the queue will need: its records, */
-ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
+GD__ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
@@ -277,7 +276,7 @@ ASKING prefetch_records(const struct gd__wavefront *front, uint32_t node)
 }
 
 /* what the records name, */
-ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
+GD__ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;
@@ -296,7 +295,7 @@ ASKING prefetch_named(const struct gd__wavefront *front, uint32_t node)
 }
 
 /* and what these name. */
-ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
+GD__ASKING prefetch_work(const struct gd__wavefront *front, uint32_t node)
 {
     const struct gd_mesh *mesh = front->mesh;
     uint32_t sides = 2 * mesh->edge_count;

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "server/reply.h"
-#include "server/server.h"
 
 #define QUICK_POINTS     64     /* as many as an HTTP thread may evaluate */
 #define QUICK_PATHS      4      /* and as many as it may trace paths for, */

@@ -7,7 +7,6 @@
 #include "proto/trace.h"
 #include "proto/vector.h"
 #include "server/handlers/query.h"
-#include "server/server.h"
 
 #define WHAT "the trace"
 

@@ -11,7 +11,6 @@
 #include "server/handlers/field_query.h"
 #include "server/handlers/result.h"
 #include "server/reply.h"
-#include "server/server.h"
 
 #define BYTES_A_NUMBER 24    /* of the answer's text, at most */
 #define QUICK_VERTICES 10000 /* as many as an HTTP thread may write */

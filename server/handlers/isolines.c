@@ -7,7 +7,6 @@
 #include "proto/path.h"
 #include "server/handlers/field_query.h"
 #include "server/handlers/result.h"
-#include "server/server.h"
 
 #define BYTES_AN_EDGE 32 /* of the mesh, while a line is traced */
 #define BYTES_A_LEVEL ((size_t)1 << 16)

@@ -9,7 +9,6 @@
 #include "server/handlers/field_query.h"
 #include "server/handlers/shortest.h"
 #include "server/reply.h"
-#include "server/server.h"
 
 #define FEW          8    /* targets that take less time to search than a field takes to build */
 #define CHUNK        1024 /* vectors between two looks at the control */

@@ -7,7 +7,6 @@
 #include "proto/matrix.h"
 #include "server/handlers/query.h"
 #include "server/matrix.h"
-#include "server/server.h"
 
 #define BYTES_A_NUMBER 24 /* of the answer's text, at most */
 #define WHAT           "the matrix"

@@ -4,7 +4,6 @@
 #include "proto/geodesic_like.h"
 #include "server/handlers/query.h"
 #include "server/nurbs.h"
-#include "server/server.h"
 
 #define BYTES_A_FACE 1024 /* of the tessellation: two fields, and the ways that are followed */
 #define BYTES_A_PATH ((size_t)1 << 20)

@@ -104,7 +104,7 @@ GD_MUST_USE enum gd_status server_query_hold_draft(struct server_query *query);
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,
                                               struct proto_problem *problem);
 
-/* Writes the answer of a query that is DONE. */
+/* Writes the answer of a query that is DONE, for a batch; who has it counts the copy. */
 void server_query_encode(const struct server_query *query, struct proto_writer *writer);
 
 /* A request of its own: the handler of an operation that is a query of that kind. */

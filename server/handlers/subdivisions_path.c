@@ -2,7 +2,6 @@
 #include "proto/limit_pair.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/subdivisions.h"
-#include "server/server.h"
 
 #define BYTES_AN_EDGE  224               /* as a search on any mesh (pair_search.c) */
 #define BYTES_A_SEARCH ((size_t)4 << 20) /* with the traces that straighten the path */

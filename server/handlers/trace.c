@@ -5,7 +5,6 @@
 
 #include "proto/trace.h"
 #include "server/handlers/query.h"
-#include "server/server.h"
 
 #define WHAT "the trace"
 

@@ -7,7 +7,6 @@
 #include "proto/path.h"
 #include "proto/voronoi.h"
 #include "server/handlers/field_query.h"
-#include "server/server.h"
 
 #define BYTES_AN_EDGE 48 /* of the mesh, while the bisectors are traced */
 #define BYTES_A_TRACE ((size_t)1 << 20)

@@ -12,7 +12,7 @@ import argparse
 import math
 import sys
 
-TRACED = 5.384418260817481  # tests/unit/subdiv/test_limit_trace.c, tests/api/test_subdivisions.py
+TRACED = 5.384418260817481  # tests/unit/subdiv/test_limit_trace.c, tests/api/subdivisions.py
 CUBE = ([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)],
         [[4, 5, 7, 6], [0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
 TIP, REACH = 4, 4  # the vertex, and how far its sectors are kept
