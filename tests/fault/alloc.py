@@ -27,7 +27,7 @@ REFUSED = {503: ("overloaded", "draining", "store_unavailable"), 507: ("insuffic
 PATIENCE_SECONDS = 20
 MOST_TRIALS = 3000  # of a request: more would mean that ways never end
 # differ between two answers to one question
-VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
+VOLATILE = re.compile(rb'"(?:elapsed_ms|age_s|uptime_s|requested_at|created|created_at|started_at|finished_at|expires_at|id|job|trace_id|build_ms)":'
                       rb'\s*(?:"[^"]*"|[-+.0-9eE]+)')
 QUERIES = {"/v1/meshes/{name}/distance": "?from=v:0&to=e:1-2:0.5", "/v1/meshes/{name}/path": "?from=v:0&to=e:1-2:0.5",
            "/v1/meshes/{name}/nearest": "?point=p:0.2,0.1,-0.5", "/v1/meshes/{name}/fields/{id}/isolines": "?levels=0.25,0.5&arcs=true",
