@@ -34,7 +34,7 @@ struct gd__children {
 GD_MUST_USE enum gd_status gd__children_grow(struct gd__children *children, struct gd__pool *pool, uint32_t count,
                                              uint32_t kept);
 
-/* The same of children without a block. */
+/* A block of such a size, for children that have none. */
 GD_MUST_USE static inline enum gd_status gd__children_open(struct gd__children *children, struct gd__pool *pool,
                                                            uint32_t count)
 {

@@ -14,11 +14,11 @@
 /* Who is strictly better at a point. A tie says nothing: seen from far, two sources side by side look equally far, and yet one is better close by. */
 enum winner { CHALLENGER = -1, TIE = 0, OWNER = 1 };
 
+/* Counted: a choice would be a branch as good as random. */
 static enum winner winner_of(double difference, double scale)
 {
     double slack = GD_TOL_BETTER * scale;
-    return (enum winner)((difference > slack) -
-                         (difference < -slack)); /* a choice would be a branch as good as random */
+    return (enum winner)((difference > slack) - (difference < -slack));
 }
 
 static struct gd__verdict all_to(enum winner winner)

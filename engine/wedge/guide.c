@@ -123,8 +123,8 @@ static uint32_t pop(struct gd__guide *guide)
     uint32_t vertex = guide->heap[0].vertex, count = --guide->heap_count, at = 0;
     struct gd__guide_entry entry = guide->heap[count];
     for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
-        child += (child + 1 < count) &
-                 (guide->heap[child + 1].key < guide->heap[child].key); /* the last one is read: no branch */
+        /* the one behind the last is what was taken off, and may be read: so the lesser child is no branch */
+        child += (child + 1 < count) & (guide->heap[child + 1].key < guide->heap[child].key);
         if (guide->heap[child].key >= entry.key) break;
         guide->heap[at] = guide->heap[child];
     }

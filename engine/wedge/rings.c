@@ -155,7 +155,7 @@ static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vert
     return GD_OK;
 }
 
-/* Of the outermost vertices. */
+/* Which of the outermost vertices no way within the bound passes by, as straight lines tell it. */
 static enum gd_status leave_out_of_the_way(const struct growth *growth)
 {
     struct gd__guide *guide = growth->guide;

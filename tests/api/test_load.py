@@ -1,5 +1,6 @@
 """The daemon under load: the two lanes, overload, deadlines, who waits for a field, memory, drain, everything at once."""
 import concurrent.futures
+import contextlib
 import itertools
 import random
 import signal
@@ -41,12 +42,19 @@ class Lanes(TestCase):
         self.daemon.ask_often("slow", f"v:{source}")
         return self.ask(source)
 
-    def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
+    @contextlib.contextmanager
+    def building(self, source):
+        """While a field is built that somebody has asked for: whose answer will come."""
         builds = self.daemon.metric("cache_builds_total")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            first = pool.submit(self.ask_for_a_field, 600)
+            slow = pool.submit(self.ask_for_a_field, source)
             while self.daemon.metric("cache_builds_total") == builds:
-                self.assertFalse(first.done(), "too fast to watch")
+                self.assertFalse(slow.done(), "too fast to watch")
+            yield slow
+
+    def test_those_who_wait_for_one_field_take_no_place_in_the_queue(self):
+        builds = self.daemon.metric("cache_builds_total")
+        with self.building(600):
             answers = all_of(10, lambda _: self.ask(600))
         self.assertEqual([answer.status for answer in answers], [200] * 10)
         self.assertEqual(self.daemon.metric("cache_builds_total") - builds, 1)
@@ -63,11 +71,7 @@ class Lanes(TestCase):
             self.assertGreaterEqual(int(answer.headers["Retry-After"]), 1)
 
     def test_the_first_lane_stays_open(self):
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            builds = self.daemon.metric("cache_builds_total")
-            slow = pool.submit(self.ask_for_a_field, 200)
-            while self.daemon.metric("cache_builds_total") == builds:
-                self.assertFalse(slow.done(), "too fast to watch")
+        with self.building(200) as slow:
             for path in ("/livez", "/v1/meshes/square", "/v1/meshes/square/distance?from=v:0&to=v:2",
                          "/v1/meshes/slow/nearest?point=p:0.5,0.5,3"):
                 self.assertEqual(self.daemon.get(path).status, 200)
@@ -91,11 +95,7 @@ class Lanes(TestCase):
 
     def test_deadline_while_waiting(self):
         """A request that waits for a worker is answered at its own deadline."""
-        builds = self.daemon.metric("cache_builds_total")
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            slow = pool.submit(self.ask_for_a_field, 400)
-            while self.daemon.metric("cache_builds_total") == builds:
-                self.assertFalse(slow.done(), "too fast to watch")
+        with self.building(400) as slow:
             self.assert_problem(self.ask(401, options="&timeout_ms=20"), 504, "deadline_exceeded")
             self.assertFalse(slow.done(), "too fast to watch")
             slow.result()
