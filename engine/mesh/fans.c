@@ -23,6 +23,13 @@ static enum gd_vertex_kind kind_of(double total_angle, bool open)
     return total_angle > 2 * M_PI + GD_TOL_SADDLE ? GD_VERTEX_SADDLE : GD_VERTEX_CONVEX;
 }
 
+/* The corner behind the edge opposite to the origin of a side in its face. */
+static uint32_t beyond(const struct gd_mesh *mesh, uint32_t side)
+{
+    uint32_t across = mesh->side[side].right;
+    return gd__side_is_boundary(mesh, across) ? GD_NONE : gd__side_apex(mesh, across);
+}
+
 /* Writes the fan that begins at `start` from entry `first` on; returns one past its last entry. */
 static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
 {
@@ -30,6 +37,7 @@ static uint32_t write_fan(struct gd_mesh *mesh, uint32_t start, uint32_t first)
     double angle = 0;
     do {
         mesh->fan[entry] = (struct gd_fan){angle, h, gd__side_destination(mesh, h)};
+        mesh->beyond[entry] = beyond(mesh, h);
         mesh->side_fan[h] = entry++;
         angle += atan2(mesh->side[h].left_y, mesh->side[h].left_x);
         h = next_in_fan(mesh, h);
@@ -54,10 +62,11 @@ enum gd_status gd__make_fans(struct gd__construction *work)
     struct gd_mesh *mesh = work->mesh;
     mesh->fan_first = gd__mesh_array(mesh, (size_t)mesh->vertex_count + 1, sizeof *mesh->fan_first);
     mesh->fan = gd__mesh_array(mesh, 3 * (size_t)mesh->face_count, sizeof *mesh->fan);
+    mesh->beyond = gd__mesh_array(mesh, 3 * (size_t)mesh->face_count, sizeof *mesh->beyond);
     mesh->side_fan = gd__mesh_array(mesh, 2 * (size_t)mesh->edge_count, sizeof *mesh->side_fan);
     mesh->total_angle = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->total_angle);
     mesh->vertex_kind = gd__mesh_array(mesh, mesh->vertex_count, sizeof *mesh->vertex_kind);
-    if (!mesh->fan_first || !mesh->fan || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
+    if (!mesh->fan_first || !mesh->fan || !mesh->beyond || !mesh->side_fan || !mesh->total_angle || !mesh->vertex_kind)
         return GD_NO_MEMORY;
     find_any_side(work);
     uint32_t entry = 0;

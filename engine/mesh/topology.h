@@ -62,6 +62,8 @@ struct gd_mesh {
     uint32_t *vertex_component;
     uint32_t *fan_first; /* vertex_count + 1 */
     struct gd_fan *fan;  /* 3 face_count */
+    uint32_t
+        *beyond; /* per entry of a fan: the corner behind the edge opposite to the vertex; GD_NONE: that is boundary */
 
     struct gd_side *side;     /* 2 edge_count, 64-byte aligned */
     uint32_t *origin;         /* per side; destination = origin[h ^ 1] */
@@ -114,6 +116,18 @@ static inline uint32_t gd__side_previous(const struct gd_mesh *mesh, uint32_t si
 static inline uint32_t gd__side_apex(const struct gd_mesh *mesh, uint32_t side)
 {
     return mesh->origin[mesh->side[side].right];
+}
+
+/* A vertex' neighbours have the numbers [fan_first[vertex], gd__neighbours_end): those of its fan's entries, and at the boundary one more. */
+static inline uint32_t gd__neighbours_end(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    return mesh->fan_first[vertex + 1] + (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY);
+}
+
+static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex, uint32_t number)
+{
+    return number < mesh->fan_first[vertex + 1] ? mesh->fan[number].tip
+                                                : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
 /* The side that runs from vertex a to vertex b, or GD_NONE. Walks the fan of a. */

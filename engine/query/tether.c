@@ -13,7 +13,8 @@ static enum gd_status walk(const struct gd__guide *guide, const struct gd_point 
         const struct gd_point vertex = gd__point_of_vertex(v);
         status = gd__route_add(route, &vertex, 0, control);
         if (guide->node[v].across == GD_NONE || status) continue;
-        const struct gd_point middle = gd__point_of_edge(guide->mesh, guide->node[v].across, 0.5);
+        const struct gd_side *s = &guide->mesh->side[guide->mesh->fan[guide->node[v].across].side];
+        const struct gd_point middle = gd__point_of_edge(guide->mesh, s->right >> 1, 0.5);
         status = gd__route_add(route, &middle, 0, control);
     }
     return status ? status : gd__route_add(route, to, 0, control);

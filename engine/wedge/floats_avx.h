@@ -24,6 +24,10 @@ static inline floats floats_lesser(floats a, floats b)
 {
     return _mm256_min_ps(a, b);
 }
+static inline floats floats_greater(floats a, floats b)
+{
+    return _mm256_max_ps(a, b);
+}
 static inline float floats_least(floats a)
 {
     __m128 half = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));

@@ -10,8 +10,8 @@
 
 /* A path that is somewhat too long will do, since it is pulled tight: with the rest of the way weighed heavier than the straight line or the landmarks say,
  * A* finds one at a fraction of the cost. */
-#define GREED           1.2
-#define LANDMARKS_GREED 1.1
+#define GREED           1.1
+#define LANDMARKS_GREED 1.05
 
 #define CHECK_INTERVAL                                                                                                 \
     1024 /* entries of fans or vertices of rings between two looks at the control: well under a millisecond */
@@ -78,10 +78,17 @@ double gd__guide_line(const struct gd__guide *guide, uint32_t vertex, const stru
     return straight(&guide->mesh->position[vertex], &end->position) * (1 - GD_TOL_BOUND) - guide->margin;
 }
 
+/* Lower bound of the way from a vertex to one of the two ends. */
+static double rest_to(const struct gd__guide *guide, uint32_t vertex, const struct gd__anchor *end,
+                      const struct gd__guide_sight *sight)
+{
+    double line = gd__guide_line(guide, vertex, end);
+    return guide->landmark ? fmax(line, by_landmarks(guide, sight, vertex)) : line;
+}
+
 double gd__guide_measure(struct gd__guide *guide, uint32_t vertex)
 {
-    double lower = gd__guide_line(guide, vertex, &guide->target);
-    if (guide->landmark) lower = fmax(lower, by_landmarks(guide, &guide->from_target, vertex));
+    double lower = rest_to(guide, vertex, &guide->target, &guide->from_target);
     if (guide->rings.count) lower = fmax(lower, gd__rings_lower(guide, vertex));
     if (lower < 0) lower = 0;
     if (touch(guide, vertex)) return lower; /* without room it is measured again */
@@ -159,20 +166,32 @@ static enum gd_status relax(struct gd__guide *guide, uint32_t vertex, struct off
     return GD_OK;
 }
 
-/* From a vertex straight across the edge opposite to it in the face of an outgoing side, to the corner behind, if that way crosses the edge. */
-static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, const struct gd_side *s,
-                                   const struct gd_vec3 *from)
+/* The way from a vertex straight across the edge from a to b, opposite to it in a face, to the corner behind; GD__FAR: it misses the edge. From places,
+ * which A* looks at anyway: the sides' records would have to be fetched. */
+static double way_across(const struct gd_vec3 *vertex, const struct gd_vec3 *a, const struct gd_vec3 *b,
+                         const struct gd_vec3 *beyond)
+{
+    struct gd_vec3 edge = gd_vec3_sub(*b, *a), near = gd_vec3_sub(*vertex, *a), far = gd_vec3_sub(*beyond, *a);
+    double length = gd_vec3_length(edge);
+    struct gd_vec3 along = gd_vec3_scale(edge, 1 / length);
+    double x = gd_vec3_dot(near, along), dx = gd_vec3_dot(far, along) - x,
+           y = gd_vec3_length(gd_vec3_cross(near, along)), dy = y + gd_vec3_length(gd_vec3_cross(far, along)),
+           t = x + dx * y / dy;
+    return t > 0 && t < length ? sqrt(dx * dx + dy * dy) : GD__FAR;
+}
+
+/* Offers that way in the face of a fan's entry, unless even the straight line in space would be no shorter than what the corner behind has. */
+static enum gd_status relax_across(struct gd__guide *guide, uint32_t vertex, uint32_t entry, const struct gd_vec3 *from)
 {
     const struct gd_mesh *mesh = guide->mesh;
-    const struct gd_side *across = &mesh->side[s->right];
-    if (across->left == GD_NONE || guide->node[gd__side_apex(mesh, s->right)].closed) return GD_OK;
-    double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
-    double x = -(px * s->right_x + py * s->right_y), y = py * s->length / s->right_length;
-    double dx = across->left_length * across->left_x - x, dy = across->left_length * across->left_y + y,
-           t = x + dx * y / dy;
-    if (!(t > 0 && t < across->length)) return GD_OK;
-    struct offer offer = {guide->node[vertex].upper + sqrt(dx * dx + dy * dy), vertex, s->right >> 1};
-    return relax(guide, gd__side_apex(mesh, s->right), offer, from);
+    const struct gd_vec3 *p = mesh->position;
+    uint32_t beyond = mesh->beyond[entry], next = entry + 1;
+    double upper = guide->node[vertex].upper;
+    if (beyond == GD_NONE || guide->node[beyond].closed) return GD_OK;
+    if (upper + straight(&p[vertex], &p[beyond]) >= guide->node[beyond].upper) return GD_OK;
+    if (next == gd__neighbours_end(mesh, vertex)) next = mesh->fan_first[vertex];
+    double way = way_across(&p[vertex], &p[mesh->fan[entry].tip], &p[gd__neighbour(mesh, vertex, next)], &p[beyond]);
+    return relax(guide, beyond, (struct offer){upper + way, vertex, entry}, from);
 }
 
 enum gd_status gd__guide_step(struct gd__guide *guide)
@@ -180,39 +199,36 @@ enum gd_status gd__guide_step(struct gd__guide *guide)
     return ++guide->steps % CHECK_INTERVAL ? GD_OK : gd_control_check(guide->control, 0);
 }
 
-/* Asks for the records of the faces round a vertex, of their neighbours and of their corners at once: A* waits for little else. */
+/* Asks for what is known of the corners of the faces round a vertex and of those behind them at once: A* waits for little else. */
 GD__ASKING prefetch(const struct gd__guide *guide, uint32_t vertex)
 {
     const struct gd_mesh *mesh = guide->mesh;
-    uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
-    for (uint32_t i = first; i < end; i++) {
-        __builtin_prefetch(&mesh->side[mesh->fan[i].side]);
-        __builtin_prefetch(&guide->node[mesh->fan[i].tip]);
-        __builtin_prefetch(&mesh->position[mesh->fan[i].tip]);
-    }
-    for (uint32_t i = first; i < end; i++) {
-        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        __builtin_prefetch(&mesh->side[s->right]);
-        __builtin_prefetch(&mesh->origin[s->right ^ 1]);
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        uint32_t tip = mesh->fan[i].tip, beyond = mesh->beyond[i];
+        __builtin_prefetch(&guide->node[tip]);
+        __builtin_prefetch(&mesh->position[tip]);
+        if (beyond == GD_NONE) continue;
+        __builtin_prefetch(&guide->node[beyond]);
+        __builtin_prefetch(&mesh->position[beyond]);
     }
 }
 
 static enum gd_status expand(struct gd__guide *guide, uint32_t vertex, const struct gd_vec3 *from)
 {
     const struct gd_mesh *mesh = guide->mesh;
+    uint32_t first = mesh->fan_first[vertex];
     double upper = guide->node[vertex].upper;
     enum gd_status status = GD_OK;
     guide->node[vertex].closed = true;
     prefetch(guide, vertex);
-    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1] && !status; i++) {
-        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+    for (uint32_t i = first; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
+        uint32_t tip = gd__neighbour(mesh, vertex, i);
+        struct offer along = {upper + straight(&mesh->position[vertex], &mesh->position[tip]), vertex, GD_NONE};
         status = gd__guide_step(guide);
-        struct offer along = {upper + s->length, vertex, GD_NONE}, last = {upper + s->left_length, vertex, GD_NONE};
-        if (!status) status = relax(guide, mesh->fan[i].tip, along, from);
-        if (!status && gd__side_is_boundary(mesh, s->left))
-            status = relax(guide, gd__side_destination(mesh, s->left), last, from);
-        if (!status) status = relax_across(guide, vertex, s, from);
+        if (!status) status = relax(guide, tip, along, from);
     }
+    for (uint32_t i = first; i < mesh->fan_first[vertex + 1] && !status; i++)
+        status = relax_across(guide, vertex, i, from);
     return status;
 }
 
@@ -319,13 +335,12 @@ bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point
     const struct gd__anchor start = gd__anchor(guide->mesh, from);
     uint32_t v;
     double whole = best_way(guide, &start, &v), forth = 0, back = 0;
-    if (guide->landmark) return false; /* what they miss is little and tells little */
     for (; v != GD_NONE; v = guide->node[v].parent) {
         const struct gd__guide_node *node = &guide->node[v];
         double step = node->upper - (node->parent == GD_NONE ? 0 : guide->node[node->parent].upper),
                run = whole - node->upper;
-        forth += step * work_at(run, node->upper, gd__guide_line(guide, v, &guide->target));
-        back += step * work_at(node->upper, run, gd__guide_line(guide, v, &start));
+        forth += step * work_at(run, node->upper, rest_to(guide, v, &guide->target, &guide->from_target));
+        back += step * work_at(node->upper, run, rest_to(guide, v, &start, &guide->from_start));
     }
     return back < forth;
 }

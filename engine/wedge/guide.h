@@ -15,7 +15,8 @@ struct gd__guide_node {
     double upper;    /* length of a path from this vertex to the target; GD__FAR: none is known */
     double lower;    /* the lower bound; < 0: not asked yet */
     uint32_t parent; /* the next vertex of that path; GD_NONE: the target is straight ahead */
-    uint32_t across; /* the edge that the path crosses on the way there; GD_NONE: it goes along one */
+    uint32_t
+        across; /* the entry of the parent's fan through whose face the path comes from beyond; GD_NONE: it goes along an edge */
     bool closed, touched;
 };
 
@@ -59,8 +60,7 @@ size_t gd__guide_held(const struct gd__guide *guide);
 /* The first vertex of the path from `from` that gd__guide_aim found; the others follow by node[].parent. */
 uint32_t gd__guide_first(const struct gd__guide *guide, const struct gd_point *from);
 
-/* Whether a search from the target for `from` would, as far as the path tells, have less to do than one from there; false with
- * landmarks. O(vertices of the path). */
+/* Whether a search from the target for `from` would, as far as the path tells, have less to do than one from there. O(vertices of the path). */
 bool gd__guide_prefers_turn(const struct gd__guide *guide, const struct gd_point *from);
 
 /* Aims at `from`, from which it was aimed; of upper bounds only those of its own corners are left, and no path. Errors: those of gd__guide_aim. */

@@ -39,9 +39,10 @@ struct gd__kernel {
     void (*cast)(const struct gd_side *side, const struct gd__windows *windows, uint32_t count, bool coalesce,
                  struct gd__apex *apex, struct gd__children *left, struct gd__children *right);
 
-    /* The least of a place's ways through the vertices of groups [first, end) of a ring; GD__RING_NOWHERE of none. */
-    struct gd__ring_way (*ring)(const struct gd__ring_group *first, const struct gd__ring_group *end,
-                                struct gd__place place);
+    /* Lower bound of the ways from a place through the edges of groups [first, end) of a ring, and from parts of edges between such places, none longer than `own`, as a
+     * linear function; GD__RING_NOWHERE of none. */
+    float (*ring)(const struct gd__ring_group *first, const struct gd__ring_group *end, struct gd__place place,
+                  float own);
 };
 
 extern const struct gd__kernel gd__kernel_plain, gd__kernel_plain_linear;

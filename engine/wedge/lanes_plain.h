@@ -188,6 +188,10 @@ static inline floats floats_lesser(floats a, floats b)
 {
     return a < b ? a : b;
 }
+static inline floats floats_greater(floats a, floats b)
+{
+    return a > b ? a : b;
+}
 static inline float floats_least(floats a)
 {
     return a;

@@ -8,9 +8,9 @@
 #include "wedge/guide.h"
 #include "wedge/kernel.h"
 
-#define SPACING 12   /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
-#define LEAST   6    /* hops from a vertex to the ring that it is measured by */
-#define GAP     0.08 /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
+#define SPACING 6    /* hops from ring to ring: nearer ones lose more, farther ones cut through the surface */
+#define LEAST   3    /* hops from a vertex to the ring that it is measured by */
+#define GAP     0.02 /* of the bound that lower bounds miss of the way: with less, rings cost more than they save */
 #define AHEAD   8    /* vertices: whose records are asked for before they are looked at */
 #define COARSE  1e3  /* edges so many times longer than the bound: floats would tell nothing */
 
@@ -47,20 +47,13 @@ static struct gd__place place_of(const struct gd__guide *guide, uint32_t vertex)
                               (float)((p->z - target->z) * scale)};
 }
 
-/* How far below its chord a distance in space may lie on an edge that is at least so far away. */
-static float sag(float edge, float away)
-{
-    return away > 0.25f * edge ? edge * edge / (8 * away) : 0.5f * edge;
-}
-
-/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear function, from edges between such places, none longer than
- * `own`. */
+/* Lower bound of the way to the target from a place by a ring, over the bound; and, as a linear function, from parts of edges between such places, none longer
+ * than `own`. */
 static float by_ring(const struct gd__rings *rings, uint32_t number, struct gd__place p, float own)
 {
-    const struct gd__ring *ring = &rings->ring[number];
-    struct gd__ring_way least = gd__kernel_in_use()->ring(rings->group + ring->first, rings->group + ring[1].first, p);
-    float clear = least.away - 0.5f * ring->longest - own; /* between any points of the edges */
-    return least.way - sag(ring->longest, clear) - sag(own, clear) - rings->slack;
+    const struct gd__ring_group *group = rings->group;
+    return gd__kernel_in_use()->ring(group + rings->ring[number], group + rings->ring[number + 1], p, own) -
+           rings->slack;
 }
 
 /* The ring that tells most of a vertex of so many hops: not so near that much is lost. */
@@ -91,14 +84,21 @@ struct growth {
     uint32_t first; /* marked [first, marked_count) */
 };
 
+static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
+{
+    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
+    return x * x + y * y + z * z;
+}
+
+/* From places: the records of its sides would have to be fetched. */
 static double longest_edge_at(const struct gd_mesh *mesh, uint32_t vertex)
 {
     double longest = 0;
-    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
-        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
-        longest = fmax(longest, fmax(s->length, s->left_length));
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++) {
+        double edge = square(&mesh->position[vertex], &mesh->position[gd__neighbour(mesh, vertex, i)]);
+        longest = edge > longest ? edge : longest;
     }
-    return longest;
+    return sqrt(longest);
 }
 
 /* Whether no way within the bound passes through a face of the vertex, from which the rest is no shorter than `rest`: within a face it is an edge's length away
@@ -108,12 +108,6 @@ static bool is_out_of_the_way(const struct growth *growth, uint32_t vertex, doub
     const struct gd__guide *guide = growth->guide;
     double whole = gd__guide_line(guide, vertex, &growth->from) + rest;
     return whole > guide->rings.bound && whole > guide->rings.bound + 2 * longest_edge_at(guide->mesh, vertex);
-}
-
-static double square(const struct gd_vec3 *a, const struct gd_vec3 *b)
-{
-    double x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
-    return x * x + y * y + z * z;
 }
 
 /* Whether straight lines to both ends are within the bound: without a root. */
@@ -146,12 +140,11 @@ static inline void mark(const struct growth *growth, uint32_t vertex)
 static enum gd_status mark_neighbours(const struct growth *growth, uint32_t vertex)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
-    uint32_t first = mesh->fan_first[vertex], end = mesh->fan_first[vertex + 1];
+    uint32_t first = mesh->fan_first[vertex], end = gd__neighbours_end(mesh, vertex);
     enum gd_status status = gd__guide_step(growth->guide);
-    if (!status) status = make_room_to_mark(growth->guide, end - first + 1);
+    if (!status) status = make_room_to_mark(growth->guide, end - first);
     if (status) return status;
-    for (uint32_t i = first; i < end; i++) mark(growth, mesh->fan[i].tip);
-    if (mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY) mark(growth, gd__side_apex(mesh, mesh->fan[end - 1].side));
+    for (uint32_t i = first; i < end; i++) mark(growth, gd__neighbour(mesh, vertex, i));
     return GD_OK;
 }
 
@@ -204,30 +197,36 @@ static enum gd_status add_group(struct gd__guide *guide)
                                                 &rings->group_capacity, sizeof *rings->group);
     if (status) return status;
     struct gd__ring_group *group = &rings->group[rings->group_count++];
-    for (int i = 0; i < GD__RING_LANES; i++)
+    for (int i = 0; i < GD__RING_LANES; i++) {
         group->x[i] = group->y[i] = group->z[i] = group->lower[i] = GD__RING_NOWHERE;
+        group->part[i] = 0;
+    }
     return GD_OK;
 }
 
-static void put(struct gd__rings *rings, uint32_t lane, struct gd__place p, float lower)
+/* One more point of a ring that has so many. */
+static enum gd_status put(struct gd__guide *guide, uint32_t *points, struct gd__place p, float lower, float part)
 {
-    struct gd__ring_group *group = &rings->group[rings->group_count - 1];
+    uint32_t lane = (*points)++ % GD__RING_LANES;
+    enum gd_status status = lane == 0 ? add_group(guide) : GD_OK;
+    if (status) return status;
+    struct gd__ring_group *group = &guide->rings.group[guide->rings.group_count - 1];
     group->x[lane] = p.x;
     group->y[lane] = p.y;
     group->z[lane] = p.z;
     group->lower[lane] = lower;
+    group->part[lane] = part;
+    return GD_OK;
 }
 
 /* The groups from the end of the ring before up to here are a ring. */
-static enum gd_status close_ring(struct gd__guide *guide, float longest)
+static enum gd_status close_ring(struct gd__guide *guide)
 {
     struct gd__rings *rings = &guide->rings;
     enum gd_status status =
         gd__guide_make_room(guide, (void **)&rings->ring, rings->count + 1, &rings->capacity, sizeof *rings->ring);
-    if (status) return status;
-    rings->ring[rings->count++].longest = longest;
-    rings->ring[rings->count].first = rings->group_count;
-    return GD_OK;
+    if (!status) rings->ring[++rings->count] = rings->group_count;
+    return status;
 }
 
 static enum gd_status open_hops(struct gd__guide *guide)
@@ -251,52 +250,71 @@ static enum gd_status begin(struct gd__guide *guide)
     struct gd__rings *rings = &guide->rings;
     enum gd_status status = open_hops(guide);
     if (!status) status = gd__guide_make_room(guide, (void **)&rings->ring, 0, &rings->capacity, sizeof *rings->ring);
-    if (!status) status = add_group(guide);
     if (status) return status;
-    rings->ring[0].first = 0;
-    put(rings, 0, (struct gd__place){0, 0, 0}, 0);
-    return close_ring(guide, 0);
+    rings->ring[0] = 0;
+    status = put(guide, &(uint32_t){0}, (struct gd__place){0, 0, 0}, 0, 0);
+    return status ? status : close_ring(guide);
 }
 
-/* Of the edges between the outermost vertices. */
-static float longest_edge_between(const struct growth *growth)
+/* Half of the edge from an outermost vertex to another vertex; 0 if that is no outermost one that ways may pass by. */
+static float half_edge(const struct growth *growth, uint32_t vertex, uint32_t other)
 {
     const struct gd_mesh *mesh = growth->guide->mesh;
-    const struct gd__rings *rings = &growth->guide->rings;
-    double longest = 0;
-    for (uint32_t i = growth->first; i < rings->marked_count; i++) {
-        uint32_t vertex = rings->marked[i];
-        if (rings->hops[vertex] == OUT_OF_THE_WAY) continue;
-        for (uint32_t k = mesh->fan_first[vertex]; k < mesh->fan_first[vertex + 1]; k++)
-            if (rings->hops[mesh->fan[k].tip] == 1 + growth->hops)
-                longest = fmax(longest, mesh->side[mesh->fan[k].side].length);
+    if (growth->guide->rings.hops[other] != 1 + growth->hops) return 0;
+    return (float)(0.5 * sqrt(square(&mesh->position[vertex], &mesh->position[other])) / growth->guide->rings.bound);
+}
+
+static float longest_half_edge(const struct growth *growth, uint32_t vertex)
+{
+    const struct gd_mesh *mesh = growth->guide->mesh;
+    float longest = 0;
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex); i++)
+        longest = fmaxf(longest, half_edge(growth, vertex, gd__neighbour(mesh, vertex, i)));
+    return longest;
+}
+
+/* The middles of the edges from an outermost vertex to others of higher numbers. */
+static enum gd_status put_middles(const struct growth *growth, uint32_t *points, uint32_t vertex, struct gd__place p)
+{
+    struct gd__guide *guide = growth->guide;
+    const struct gd_mesh *mesh = guide->mesh;
+    enum gd_status status = GD_OK;
+    for (uint32_t i = mesh->fan_first[vertex]; i < gd__neighbours_end(mesh, vertex) && !status; i++) {
+        uint32_t other = gd__neighbour(mesh, vertex, i);
+        float half = other > vertex ? half_edge(growth, vertex, other) : 0;
+        if (half == 0) continue;
+        struct gd__place q = place_of(guide, other),
+                         middle = {0.5f * (p.x + q.x), 0.5f * (p.y + q.y), 0.5f * (p.z + q.z)};
+        status = put(guide, points, middle, by_ring(&guide->rings, guide->rings.count - 1, middle, half), half);
     }
-    return (float)(longest / rings->bound);
+    return status;
+}
+
+/* A vertex and its edges become points of the ring, unless the ring before shows it to be out of the way. */
+static enum gd_status put_vertex(struct growth *growth, uint32_t *points, uint32_t vertex)
+{
+    struct gd__guide *guide = growth->guide;
+    struct gd__rings *rings = &guide->rings;
+    struct gd__place p = place_of(guide, vertex);
+    float half = longest_half_edge(growth, vertex), lower = by_ring(rings, rings->count - 1, p, half);
+    if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
+        rings->hops[vertex] = OUT_OF_THE_WAY;
+        return GD_OK;
+    }
+    enum gd_status status = put(guide, points, p, lower, half);
+    if (!status) status = put_middles(growth, points, vertex, p);
+    return status ? status : gd__guide_step(guide);
 }
 
 /* The outermost vertices become a ring, but for those that it shows to be out of the way. */
 static enum gd_status add_ring(struct growth *growth)
 {
-    struct gd__guide *guide = growth->guide;
-    struct gd__rings *rings = &guide->rings;
-    float longest = longest_edge_between(growth);
-    uint32_t lane = 0, last = rings->count - 1;
+    struct gd__rings *rings = &growth->guide->rings;
+    uint32_t points = 0;
     enum gd_status status = GD_OK;
-    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++) {
-        uint32_t vertex = rings->marked[i];
-        if (rings->hops[vertex] == OUT_OF_THE_WAY) continue;
-        struct gd__place p = place_of(guide, vertex);
-        float lower = by_ring(rings, last, p, longest);
-        if (is_out_of_the_way(growth, vertex, measured(guide, lower))) {
-            rings->hops[vertex] = OUT_OF_THE_WAY;
-            continue;
-        }
-        if (lane == 0) status = add_group(guide);
-        if (!status) put(rings, lane, p, lower);
-        if (!status) status = gd__guide_step(guide);
-        lane = (lane + 1) % GD__RING_LANES;
-    }
-    return status ? status : close_ring(guide, longest);
+    for (uint32_t i = growth->first; i < rings->marked_count && !status; i++)
+        if (rings->hops[rings->marked[i]] != OUT_OF_THE_WAY) status = put_vertex(growth, &points, rings->marked[i]);
+    return status ? status : close_ring(growth->guide);
 }
 
 static enum gd_status draw(struct growth *growth)

@@ -3,8 +3,8 @@
  *
  * A vertex' hops are counted from the target's corners, along edges between vertices that a way within the bound may pass by. Along such a way they change by
  * one from vertex to vertex, so that it meets, wherever it has k of them, a vertex that has k or the edge between two: those vertices are the ring at k.
- * What is stored for a ring's vertices bounds the ways from all points of its edges too, between two vertices by a linear function: the least of linear functions
- * is concave, and a distance in space lies below its chord by s^2 / 8 d at the most on an edge of length s as far as d away. */
+ * A ring's points are those vertices and the middles of those edges. What is stored for them bounds the ways from all points of the edges too, by a linear function
+ * between two points that are s apart: the least of linear functions is concave, and a distance in space lies below its chord, see ring_sag in wedge/kernel_ring.h. */
 #ifndef GD_WEDGE_RINGS_H
 #define GD_WEDGE_RINGS_H
 
@@ -20,24 +20,15 @@ struct gd__place {
     float x, y, z;
 };
 
-/* The shortest way from a place through a vertex of a ring, and how far away the nearest of them is; over the bound. */
-struct gd__ring_way {
-    float way, away;
-};
-
-/* Vertices of a ring: places from the target, and lower bounds of the ways to it, both over the search's bound. Empty lanes are far off. */
+/* Points of a ring: places from the target, lower bounds of the ways to it, and lengths that no part of an edge between the point and the next one of the ring exceeds,
+ * all over the search's bound. Empty lanes are far off. */
 struct gd__ring_group {
-    float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES];
-};
-
-struct gd__ring {
-    uint32_t first; /* its groups, up to those of the next ring */
-    float longest;  /* edge of its vertices */
+    float x[GD__RING_LANES], y[GD__RING_LANES], z[GD__RING_LANES], lower[GD__RING_LANES], part[GD__RING_LANES];
 };
 
 /* Those of one search; all zero: none. Of one thread. */
 struct gd__rings {
-    struct gd__ring *ring; /* the first is the target itself; one more, which ends the last */
+    uint32_t *ring; /* the first group of each; the first ring is the target itself; one more, which ends the last */
     uint32_t count, capacity;
     struct gd__ring_group *group;
     uint32_t group_count, group_capacity;
@@ -54,7 +45,7 @@ struct gd__rings {
  * ends are within the bound. */
 GD_MUST_USE enum gd_status gd__rings_draw(struct gd__guide *guide, const struct gd_point *from, double bound);
 
-/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell; GD__FAR: none within the bound passes it by. O(vertices of a ring). */
+/* Lower bound of the way from a vertex to the guide's target, < 0 too, as far as rings tell; GD__FAR: none within the bound passes it by. O(points of a ring). */
 double gd__rings_lower(const struct gd__guide *guide, uint32_t vertex);
 
 /* Forgets them. */

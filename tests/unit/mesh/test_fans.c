@@ -10,6 +10,16 @@ static double angle_at(const struct gd_mesh *mesh, uint32_t h)
     return atan2(gd_vec3_length(gd_vec3_cross(u, v)), gd_vec3_dot(u, v));
 }
 
+/* The vertex and the corner beyond are the two that see the edge between. */
+static void expect_beyond(const struct gd_mesh *mesh, uint32_t v, uint32_t entry)
+{
+    uint32_t a = mesh->fan[entry].tip, b = gd__side_apex(mesh, mesh->fan[entry].side),
+             side = gd__side_between(mesh, a, b);
+    assert_int_equal(gd__side_apex(mesh, side), v);
+    bool open = gd__side_is_boundary(mesh, side ^ 1);
+    assert_int_equal(mesh->beyond[entry], open ? GD_NONE : gd__side_apex(mesh, side ^ 1));
+}
+
 /* Entries run counter-clockwise from the boundary, if any, once around; their angles add up. */
 static void expect_fan(const struct gd_mesh *mesh, uint32_t v)
 {
@@ -32,6 +42,10 @@ static void expect_fan(const struct gd_mesh *mesh, uint32_t v)
             assert_int_equal(mesh->fan[begin].side, after);
     }
     expect_near(mesh->total_angle[v], angle, 1e-13);
+    assert_int_equal(gd__neighbours_end(mesh, v), end + open);
+    for (uint32_t i = begin; i < gd__neighbours_end(mesh, v); i++)
+        assert_true(gd__side_between(mesh, v, gd__neighbour(mesh, v, i)) != GD_NONE);
+    for (uint32_t i = begin; i < end; i++) expect_beyond(mesh, v, i);
 }
 
 static void expect_fans(const struct gd_mesh *mesh)

@@ -438,18 +438,24 @@ static void casts(void **state)
 
 enum { RING_GROUPS = 5 };
 
-/* The same in double precision, vertex by vertex. */
-static struct gd__ring_way ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p)
+static double sag(double d, double part, double own)
 {
-    double way = GD__RING_NOWHERE, away = GD__RING_NOWHERE;
+    double both = part + own;
+    return both > 0 ? (part * part + own * own) / 8 * d / fmax(d * d - both * both, both * d / 8) : 0;
+}
+
+/* The same in double precision, point by point. */
+static float ring_by_single(const struct gd__ring_group *groups, uint32_t count, struct gd__place p, float own)
+{
+    double least = GD__RING_NOWHERE;
     for (uint32_t i = 0; i < count * GD__RING_LANES; i++) {
         const struct gd__ring_group *g = &groups[i / GD__RING_LANES];
         uint32_t lane = i % GD__RING_LANES;
-        double x = (double)g->x[lane] - p.x, y = (double)g->y[lane] - p.y, z = (double)g->z[lane] - p.z;
-        away = fmin(away, sqrt(x * x + y * y + z * z));
-        way = fmin(way, sqrt(x * x + y * y + z * z) + g->lower[lane]);
+        double x = (double)g->x[lane] - p.x, y = (double)g->y[lane] - p.y, z = (double)g->z[lane] - p.z,
+               d = sqrt(x * x + y * y + z * z);
+        least = fmin(least, d + g->lower[lane] - sag(d, g->part[lane], own));
     }
-    return (struct gd__ring_way){(float)way, (float)away};
+    return (float)least;
 }
 
 /* Groups of which the last has empty lanes. */
@@ -460,6 +466,7 @@ static void random_ring(struct rng *rng, struct gd__ring_group *groups, uint32_t
         float *first = &groups[i / GD__RING_LANES].x[i % GD__RING_LANES];
         for (int k = 0; k < 4; k++)
             first[k * GD__RING_LANES] = i < taken ? (float)rng_between(rng, -1, 1) : GD__RING_NOWHERE;
+        first[4 * GD__RING_LANES] = i < taken ? (float)rng_between(rng, 0, 0.3) : 0;
     }
 }
 
@@ -472,15 +479,62 @@ static void rings(void **state)
         uint32_t count = 1 + (uint32_t)rng_below(&rng, RING_GROUPS);
         random_ring(&rng, groups, count);
         struct gd__place p = {(float)rng_between(&rng, -1, 1), (float)rng_between(&rng, -1, 1), 0};
-        struct gd__ring_way single = ring_by_single(groups, count, p),
-                            first = kernels[0]->ring(groups, groups + count, p);
-        assert_true(fabsf(first.way - single.way) <= 1e-6f && fabsf(first.away - single.away) <= 1e-6f);
-        for (int k = 1; k < kernel_count; k++) {
-            struct gd__ring_way by_lanes = kernels[k]->ring(groups, groups + count, p);
-            assert_memory_equal(&by_lanes, &first, sizeof first);
-        }
+        float own = round % 2 ? (float)rng_between(&rng, 0, 0.3) : 0;
+        float single = ring_by_single(groups, count, p, own), first = kernels[0]->ring(groups, groups + count, p, own);
+        assert_true(fabsf(first - single) <= 1e-5f);
+        for (int k = 1; k < kernel_count; k++) assert_true(kernels[k]->ring(groups, groups + count, p, own) == first);
     }
-    assert_true(kernels[0]->ring(groups, groups, (struct gd__place){0}).way == GD__RING_NOWHERE);
+    assert_true(kernels[0]->ring(groups, groups, (struct gd__place){0}, 0) == GD__RING_NOWHERE);
+}
+
+static struct gd_vec3 random_vector(struct rng *rng, double length)
+{
+    struct gd_vec3 v = {rng_between(rng, -1, 1), rng_between(rng, -1, 1), rng_between(rng, -1, 1)};
+    return gd_vec3_scale(v, length / gd_vec3_length(v));
+}
+
+/* A ring of one edge, about which nothing else is known, seen from the ends of another one. */
+struct two_edges {
+    struct gd_vec3 from, along, to, beside;
+};
+
+static double between(const struct two_edges *edges, double t, double u)
+{
+    struct gd_vec3 p = gd_vec3_along(edges->from, t, edges->along), q = gd_vec3_along(edges->to, u, edges->beside);
+    return gd_vec3_length(gd_vec3_sub(q, p));
+}
+
+/* What the kernel tells at an end of the first edge. */
+static double told_at(const struct two_edges *edges, double t, double own)
+{
+    struct gd__ring_group group;
+    for (int i = 0; i < GD__RING_LANES; i++) {
+        struct gd_vec3 q = gd_vec3_along(edges->to, i % 2, edges->beside);
+        group.x[i] = (float)q.x, group.y[i] = (float)q.y, group.z[i] = (float)q.z;
+        group.lower[i] = 0, group.part[i] = (float)gd_vec3_length(edges->beside);
+    }
+    struct gd_vec3 p = gd_vec3_along(edges->from, t, edges->along);
+    return kernels[0]->ring(&group, &group + 1, (struct gd__place){(float)p.x, (float)p.y, (float)p.z}, (float)own);
+}
+
+/* No way from a point of an edge to one of another is shorter than the linear function of what is told at its ends: edges near to each other, far from each
+ * other, of one length and of lengths that differ by a thousand. */
+static void no_distance_between_edges_is_below_what_rings_tell(void **state)
+{
+    (void)state;
+    struct rng rng = {7};
+    for (int round = 0; round < 100 * ROUNDS; round++) {
+        double own = pow(10, rng_between(&rng, -3, 0)), part = round % 3 ? own : pow(10, rng_between(&rng, -3, 0));
+        struct two_edges edges = {.from = {0.1, 0.2, 0.3}, .along = random_vector(&rng, own)};
+        edges.to =
+            gd_vec3_add(edges.from, random_vector(&rng, fmax(own, part) * pow(10, rng_between(&rng, -1.5, 1.5))));
+        edges.beside = random_vector(&rng, part);
+        double first = told_at(&edges, 0, own), last = told_at(&edges, 1, own),
+               slack = 1e-6 * (1 + between(&edges, 0, 0));
+        for (int i = 0; i <= 8; i++)
+            for (int k = 0; k <= 8; k++)
+                assert_true(between(&edges, i / 8.0, k / 8.0) >= first + (last - first) * i / 8 - slack);
+    }
 }
 
 int main(void)
@@ -491,6 +545,7 @@ int main(void)
         cmocka_unit_test_teardown(stores_what_leaves_no_gap_inside, free_lists),
         cmocka_unit_test_setup_teardown(casts, open_pool, close_pool),
         cmocka_unit_test(rings),
+        cmocka_unit_test(no_distance_between_edges_is_below_what_rings_tell),
     };
     return cmocka_run_group_tests(tests, find_kernels, NULL);
 }
