@@ -481,7 +481,7 @@ static void rings(void **state)
         struct gd__place p = {(float)rng_between(&rng, -1, 1), (float)rng_between(&rng, -1, 1), 0};
         float own = round % 2 ? (float)rng_between(&rng, 0, 0.3) : 0;
         float single = ring_by_single(groups, count, p, own), first = kernels[0]->ring(groups, groups + count, p, own);
-        assert_true(fabsf(first - single) <= 1e-5f);
+        assert_true(fabsf(first - single) <= 1e-6f);
         for (int k = 1; k < kernel_count; k++) assert_true(kernels[k]->ring(groups, groups + count, p, own) == first);
     }
     assert_true(kernels[0]->ring(groups, groups, (struct gd__place){0}, 0) == GD__RING_NOWHERE);
