@@ -5,6 +5,8 @@
 
 #include "mesh/segment.h"
 
+#define CHECK_PARTS 8
+
 /* --- building ------------------------------------------------------------------------------------------------------------ */
 
 static enum gd_status check_request(const struct gd_field_request *request, struct gd_detail *detail)
@@ -56,14 +58,31 @@ size_t gd__field_bytes(const struct gd_field *field)
 
 /* The metric's own law on every edge within reach: a neighbour is no farther than the edge between (so no vertex was left out either). Where windows
  * tie to the last bit all along, as round a very thin tube, rounding may displace all of them: then there is no answer, rather than a wrong one. */
-static enum gd_status check_edges(const struct gd_field *field)
+struct check {
+    const struct gd_field *field;
+    bool failed[CHECK_PARTS];
+};
+
+static void check_edges(void *context, uint32_t part)
 {
+    struct check *check = context;
+    const struct gd_field *field = check->field;
     const struct gd_mesh *mesh = field->mesh;
-    for (uint32_t side = 0; side < 2 * mesh->edge_count; side += 2) {
+    uint32_t first = (uint32_t)((uint64_t)part * mesh->edge_count / CHECK_PARTS),
+             end = (uint32_t)((uint64_t)(part + 1) * mesh->edge_count / CHECK_PARTS);
+    for (uint32_t side = 2 * first; side < 2 * end; side += 2) {
         double a = field->distance[mesh->origin[side]], b = field->distance[mesh->origin[side + 1]];
         double nearer = a < b ? a : b, through = nearer + mesh->side[side].length;
-        if (nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach) return GD_INTERNAL;
+        if (nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach) check->failed[part] = true;
     }
+}
+
+static enum gd_status check_field(const struct gd_field *field, const struct gd_executor *executor)
+{
+    struct check check = {.field = field};
+    gd_executor_run(executor, check_edges, &check, CHECK_PARTS);
+    for (int part = 0; part < CHECK_PARTS; part++)
+        if (check.failed[part]) return GD_INTERNAL;
     return GD_OK;
 }
 
@@ -101,7 +120,7 @@ enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__prop
     uint64_t start = gd_now_ns();
     struct gd__sink take = {.take = gd__field_take, .user = field};
     enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control, executor);
-    if (!status) status = check_edges(field);
+    if (!status) status = check_field(field, executor);
     field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
     return status;

@@ -1,15 +1,16 @@
 #include "wedge/domain.h"
 
+#include <stdalign.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "wedge/halves.h"
 #include "wedge/wavefront.h"
 
 #define FACES_LEAST    20000 /* a smaller surface is done before the turns pay */
-#define TURN_BUCKETS   4     /* how far a turn goes; fewer wait for each other more often, more do more work twice */
-#define TURN_WORK      4096  /* sides and vertices: a millisecond or two */
-#define DIRECTIONS     9     /* tried for the cut */
-#define SAMPLES        1024  /* faces that tell how evenly a cut divides */
+#define TURN_BUCKETS   32    /* that one part may be ahead: more of them do more work twice */
+#define TURN_WORK      512   /* sides and vertices of a turn, the same for both parts; a tenth of a millisecond */
+#define COPY_BYTES     16384 /* at a time; chunks' heads are not divided by it */
 #define BUDGET_AN_EDGE 1000  /* bytes: with less there may be no room for two of all */
 
 /* --- mail ---------------------------------------------------------------------------------------------------------------- */
@@ -88,62 +89,41 @@ static void receive(struct gd__wavefront *front, struct gd__mail *mail)
     mail->vertex_count = mail->list_count = mail->windows.count = 0;
 }
 
-/* --- the cut ------------------------------------------------------------------------------------------------------------- */
-
-/* Half of the directions of a cube's corners and faces, and some between: one of them divides most surfaces evenly. */
-static const double direction[DIRECTIONS][3] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 0}, {1, -1, 0},
-                                                {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}};
-
-static uint8_t part_of(const struct gd_mesh *mesh, uint32_t face, struct gd_vec3 source, const double normal[3])
-{
-    double height = 0;
-    for (int k = 0; k < 3; k++) {
-        const struct gd_vec3 *p = &mesh->position[mesh->origin[mesh->face_side[face][k]]];
-        height += normal[0] * (p->x - source.x) + normal[1] * (p->y - source.y) + normal[2] * (p->z - source.z);
-    }
-    return height > 0;
-}
-
-/* The direction whose plane divides the faces most evenly. */
-static const double *find_direction(const struct gd_mesh *mesh, struct gd_vec3 source)
-{
-    uint32_t step = mesh->face_count / SAMPLES, best = 0, best_least = 0;
-    for (uint32_t d = 0; d < DIRECTIONS; d++) {
-        uint32_t count[2] = {0, 0};
-        for (uint32_t i = 0; i < SAMPLES; i++) count[part_of(mesh, i * step, source, direction[d])]++;
-        uint32_t least = count[0] < count[1] ? count[0] : count[1];
-        if (least <= best_least) continue;
-        best = d;
-        best_least = least;
-    }
-    return direction[best];
-}
-
-static void cut(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_t *side_part, uint8_t *vertex_parts)
-{
-    const double *normal = find_direction(mesh, source);
-    memset(vertex_parts, 0, mesh->vertex_count);
-    for (uint32_t face = 0; face < mesh->face_count; face++) {
-        uint8_t part = part_of(mesh, face, source, normal);
-        for (int k = 0; k < 3; k++) {
-            uint32_t side = mesh->face_side[face][k];
-            side_part[side] = part;
-            if (gd__side_is_boundary(mesh, side ^ 1)) side_part[side ^ 1] = part;
-            vertex_parts[mesh->origin[side]] |= (uint8_t)(1 << part);
-        }
-    }
-}
-
 /* --- one result ---------------------------------------------------------------------------------------------------------- */
 
-/* Chains of an edge on the cut are merged, newest place first, as chains are (wedges.h). */
-static void link_chunk(struct gd__wavefront *front, uint32_t edge, uint32_t at)
+/* Copies the other's chunks behind the own ones; those of one edge still point to each other. A block at a time, which stays in the cache. */
+static void append_chunks(struct gd__region *own, const struct gd__region *from, uint32_t shift)
 {
-    uint32_t *next = &front->newest[edge];
-    while (*next != GD_NONE && *next > at)
-        next = &((struct gd__chunk *)(front->work->wedges.base + (size_t)*next * GD__CHUNK_UNIT))->previous;
-    ((struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT))->previous = *next;
-    *next = at;
+    char *to = own->base + own->used;
+    for (size_t begin = 0, at = 0, end; begin < from->used; begin = end) {
+        end = begin + COPY_BYTES < from->used ? begin + COPY_BYTES : from->used;
+        memcpy(to + begin, from->base + begin, end - begin);
+        while (at < end) {
+            struct gd__chunk *chunk = (struct gd__chunk *)(to + at);
+            if (chunk->previous != GD_NONE) chunk->previous += shift;
+            at += sizeof *chunk + (size_t)chunk->count * GD__WEDGE_BYTES;
+        }
+    }
+    own->used += from->used;
+}
+
+/* Puts an edge's chain of the other's before its own, if it has one too: it lies on the cut. All of the own chunks come before all of the other's, as
+ * chains want it (wedges.h). */
+static void join_chains(struct gd__wavefront *front, uint32_t edge, uint32_t newest)
+{
+    uint32_t *own = &front->newest[edge];
+    if (*own == GD_NONE) {
+        gd__workspace_touch(front->work, 2 * edge, true);
+    } else {
+        uint32_t at = newest;
+        struct gd__chunk *chunk;
+        do {
+            chunk = (struct gd__chunk *)(front->work->wedges.base + (size_t)at * GD__CHUNK_UNIT);
+            at = chunk->previous;
+        } while (at != GD_NONE);
+        chunk->previous = *own;
+    }
+    *own = newest;
 }
 
 /* From here on all of the budget is the first one's, but for what the second one still has. */
@@ -156,16 +136,9 @@ static enum gd_status take_wedges(struct gd__wavefront *front, const struct gd__
     enum gd_status status = gd__region_reserve(own, from->used);
     if (status) return status;
     uint32_t shift = (uint32_t)(own->used / GD__CHUNK_UNIT);
-    memcpy(own->base + own->used, from->base, from->used);
-    own->used += from->used;
-    for (uint32_t edge = 0; edge < front->mesh->edge_count; edge++) {
-        if (other->newest[edge] == GD_NONE) continue;
-        if (front->newest[edge] == GD_NONE) gd__workspace_touch(front->work, 2 * edge, true);
-        for (uint32_t at = other->newest[edge], previous; at != GD_NONE; at = previous) {
-            previous = ((const struct gd__chunk *)(from->base + (size_t)at * GD__CHUNK_UNIT))->previous;
-            link_chunk(front, edge, at + shift);
-        }
-    }
+    append_chunks(own, from, shift);
+    for (uint32_t edge = 0; edge < front->mesh->edge_count; edge++)
+        if (other->newest[edge] != GD_NONE) join_chains(front, edge, other->newest[edge] + shift);
     return GD_OK;
 }
 
@@ -194,40 +167,69 @@ static enum gd_status take_all(struct gd__wavefront *front, const struct gd__wav
 
 /* --- turns --------------------------------------------------------------------------------------------------------------- */
 
+/* What one thread writes all the time shares no cache line, nor a pair of them, with what the other one reads. */
+struct part {
+    alignas(128) struct gd__wavefront front;
+    struct gd__domain domain;
+    struct gd__mail inbox; /* from the other part */
+};
+
 struct pair {
-    struct gd__wavefront front[2];
-    struct gd__domain domain[2];
+    struct part part[2];
     uint32_t end; /* bucket before which a turn ends */
 };
 
-static void take_turn(void *context, uint32_t part)
+static void take_turn(void *context, uint32_t index)
 {
     struct pair *pair = context;
-    gd__wavefront_advance(&pair->front[part], pair->end, TURN_WORK);
+    struct part *part = &pair->part[index];
+    receive(&part->front, &part->inbox);
+    gd__wavefront_advance(&part->front, pair->end, TURN_WORK);
 }
 
-static enum gd_status exchange(struct pair *pair)
+static void deliver(struct pair *pair)
 {
-    for (int part = 0; part < 2; part++) receive(&pair->front[part], &pair->domain[1 - part].mail);
-    return pair->front[0].status ? pair->front[0].status : pair->front[1].status;
+    for (int i = 0; i < 2; i++) {
+        struct gd__mail read = pair->part[i].inbox;
+        pair->part[i].inbox = pair->part[1 - i].domain.mail;
+        pair->part[1 - i].domain.mail = read;
+    }
+}
+
+static bool is_idle(const struct part *part)
+{
+    return !part->inbox.vertex_count && !part->inbox.list_count && gd__queue_first(part->front.queue) == GD_NONE;
+}
+
+/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a little farther. */
+static uint32_t find_end(const struct pair *pair)
+{
+    uint32_t a = gd__queue_first(pair->part[0].front.queue), b = gd__queue_first(pair->part[1].front.queue);
+    uint32_t first = a < b ? a : b;
+    return first == GD_NONE ? GD_NONE : first + TURN_BUCKETS;
 }
 
 static double progress(const struct pair *pair)
 {
-    return (double)(pair->front[0].sides_visited + pair->front[1].sides_visited) /
-           (2 * (double)pair->front[0].mesh->edge_count);
+    return (double)(pair->part[0].front.sides_visited + pair->part[1].front.sides_visited) /
+           (2 * (double)pair->part[0].front.mesh->edge_count);
+}
+
+static enum gd_status status_of(const struct pair *pair)
+{
+    return pair->part[0].front.status ? pair->part[0].front.status : pair->part[1].front.status;
 }
 
 static enum gd_status propagate(struct pair *pair, const struct gd_control *monitor, const struct gd_executor *executor)
 {
-    for (int part = 0; part < 2; part++) gd__emit_seeds(&pair->front[part]);
-    enum gd_status status = exchange(pair);
-    while (!status) {
-        uint32_t first = gd__queue_first(pair->front[0].queue), second = gd__queue_first(pair->front[1].queue);
-        if (first == GD_NONE && second == GD_NONE) break;
-        pair->end = (first < second ? first : second) + TURN_BUCKETS;
+    for (int i = 0; i < 2; i++) gd__emit_seeds(&pair->part[i].front);
+    deliver(pair);
+    enum gd_status status = status_of(pair);
+    while (!status && !(is_idle(&pair->part[0]) && is_idle(&pair->part[1]))) {
+        pair->end = find_end(pair);
         gd_executor_run(executor, take_turn, pair, 2);
-        status = exchange(pair);
+        deliver(pair);
+        status = status_of(pair);
         if (!status) status = gd_control_check(monitor, progress(pair));
     }
     return status;
@@ -247,11 +249,12 @@ static enum gd_status open_pair(struct pair *pair, const struct gd__propagation 
                                 const struct gd_control share[2])
 {
     enum gd_status status = GD_OK;
-    for (int part = 0; part < 2 && !status; part++) {
-        pair->front[part].monitor = &share[part];
-        pair->front[part].work = share[part].workspace;
-        pair->front[part].domain = &pair->domain[part];
-        status = gd__wavefront_open(&pair->front[part], propagation);
+    for (int i = 0; i < 2 && !status; i++) {
+        struct part *part = &pair->part[i];
+        part->front.monitor = &share[i];
+        part->front.work = share[i].workspace;
+        part->front.domain = &part->domain;
+        status = gd__wavefront_open(&part->front, propagation);
     }
     return status;
 }
@@ -263,17 +266,21 @@ static enum gd_status propagate_pair(struct gd__wavefront *front, const struct g
     struct gd_workspace *partner = gd__workspace_partner(front->work);
     if (!partner) return GD_NO_MEMORY;
     struct gd_control share[2] = {share_of(front->monitor, front->work), share_of(front->monitor, partner)};
-    struct pair pair = {.front = {*front, *front},
-                        .domain = {{.side_part = side_part, .vertex_parts = vertex_parts, .part = 0},
-                                   {.side_part = side_part, .vertex_parts = vertex_parts, .part = 1}}};
+    struct gd__domain domain = {.side_part = side_part, .vertex_parts = vertex_parts, .part = 0}, second = domain;
+    second.part = 1;
+    struct pair pair = {.part = {{.front = *front, .domain = domain}, {.front = *front, .domain = second}}};
     enum gd_status status = open_pair(&pair, propagation, share);
     if (!status) status = propagate(&pair, front->monitor, executor);
-    pair.front[0].monitor = front->monitor;
-    if (!status) status = take_all(&pair.front[0], &pair.front[1]);
-    for (int part = 0; part < 2; part++) free_mail(&pair.domain[part].mail);
+    struct part *first = &pair.part[0];
+    first->front.monitor = front->monitor;
+    if (!status) status = take_all(&first->front, &pair.part[1].front);
+    for (int i = 0; i < 2; i++) {
+        free_mail(&pair.part[i].domain.mail);
+        free_mail(&pair.part[i].inbox);
+    }
     gd__workspace_clean(partner);
-    pair.front[0].domain = NULL;
-    *front = pair.front[0];
+    first->front.domain = NULL;
+    *front = first->front;
     return status;
 }
 
@@ -293,7 +300,7 @@ enum gd_status gd__domain_propagate(struct gd__wavefront *front, const struct gd
     uint8_t *side_part = malloc(2 * (size_t)mesh->edge_count), *vertex_parts = malloc(mesh->vertex_count);
     enum gd_status status = side_part && vertex_parts ? GD_OK : GD_NO_MEMORY;
     if (!status) {
-        cut(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position, side_part, vertex_parts);
+        gd__halves_divide(mesh, gd__anchor(mesh, &propagation->seeds[0].point).position, side_part, vertex_parts);
         status = propagate_pair(front, propagation, side_part, vertex_parts, executor);
     }
     free(side_part);

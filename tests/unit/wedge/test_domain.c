@@ -144,10 +144,10 @@ static void limits(void **state)
     assert_int_equal(gd_field_build(mesh, &request, &cancel, &executor, &field, NULL), GD_CANCELLED);
     assert_int_equal(calls, 5);
     assert_int_equal(gd_field_build(mesh, &request, &late, &executor, &field, NULL), GD_DEADLINE);
-    uint32_t before = turns; /* a budget that may not do for two */
+    uint32_t before = turns; /* a budget that may not do for two: what is left to share out is the check in the end */
     struct gd_control tight = {.budget_bytes = 900 * (size_t)mesh->edge_count};
     check_ok(gd_field_build(mesh, &request, &tight, &executor, &field, NULL), NULL);
-    assert_int_equal(turns, before);
+    assert_int_equal(turns, before + 1);
     gd_field_release(field);
     gd_mesh_release(mesh);
     gd_polygons_free(&polygons);
@@ -168,7 +168,7 @@ static void one_does_what_two_cannot(void **state)
     struct gd_control enough = {.budget_bytes = gd_field_memsize(one) * 5 / 4};
     assert_true(enough.budget_bytes > 1000 * (size_t)mesh->edge_count);
     check_ok(gd_field_build(mesh, &request, &enough, &executor, &two, NULL), NULL);
-    assert_true(turns > 0);
+    assert_true(turns > 1);
     check_same_bits(one, two);
     gd_field_release(one);
     gd_field_release(two);
