@@ -21,9 +21,9 @@ static int find_core(const cpu_set_t *cores, unsigned n)
     return core;
 }
 
-static void set_nice(int nice)
+static bool set_nice(int nice)
 {
-    (void)setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), nice); /* of this thread only */
+    return setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), nice) == 0; /* of this thread only */
 }
 
 /* What is known of the calling thread. */
@@ -38,7 +38,7 @@ static void find_place(struct place *place, uint32_t threads)
 {
     static atomic_uint placed;
     place->is_known = true;
-    set_nice(HTTP_NICE);
+    (void)set_nice(HTTP_NICE);
     place->can_move =
         sched_getaffinity(0, sizeof place->all, &place->all) == 0 && (uint32_t)CPU_COUNT(&place->all) == threads;
     if (!place->can_move) return;
@@ -56,7 +56,17 @@ void server_place_http(uint32_t threads, bool is_crowded, uint64_t now_ns)
     (void)sched_setaffinity(0, sizeof place.all, is_crowded ? &place.all : &place.own);
 }
 
+/* Whether the thread may come back from SCHED_IDLE: the system asks for what it asks of one that becomes less nice. */
+static _Thread_local bool can_return, is_behind;
+
 void server_place_worker(void)
 {
-    set_nice(WORKER_NICE);
+    can_return = set_nice(WORKER_NICE) && set_nice(WORKER_NICE - 1) && set_nice(WORKER_NICE);
+}
+
+void server_place_behind(bool wanted)
+{
+    static const struct sched_param none;
+    if (wanted == is_behind || !can_return) return;
+    if (sched_setscheduler(0, wanted ? SCHED_IDLE : SCHED_OTHER, &none) == 0) is_behind = wanted;
 }

@@ -5,7 +5,8 @@
  * is busy it has a core of its own, if there are as many cores as such threads; else it goes where there is room: a worker's core
  * would be given up to it at the kernel's next tick only.
  *
- * Workers come after all others. */
+ * Workers come after all others. Those that go behind have a core only while nobody else wants it; who wakes up gets it from them at once, not at the
+ * kernel's next tick. */
 #ifndef SERVER_PLACE_H
 #define SERVER_PLACE_H
 
@@ -17,5 +18,9 @@ void server_place_http(uint32_t threads, bool is_crowded, uint64_t now_ns);
 
 /* Places the calling thread, a worker. */
 void server_place_worker(void);
+
+/* Puts the calling thread, a worker, behind all others (SCHED_IDLE), or back where workers are; nothing happens where it could not come back. Costs nothing
+ * where it is already. */
+void server_place_behind(bool wanted);
 
 #endif

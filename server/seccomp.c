@@ -43,8 +43,8 @@ static const int allowed[] = {
     SYS_shutdown, SYS_setsockopt, SYS_getsockopt, SYS_getsockname, SYS_getpeername, SYS_ppoll, SYS_pselect6,
     SYS_eventfd2, SYS_sendfile, SYS_dup3,
     /* threads, time, signals */
-    SYS_futex, SYS_sched_yield, SYS_sched_getaffinity, SYS_sched_setaffinity, SYS_setpriority, SYS_getcpu,
-    SYS_set_robust_list, SYS_rseq, SYS_membarrier, SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep,
+    SYS_futex, SYS_sched_yield, SYS_sched_getaffinity, SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_setpriority,
+    SYS_getcpu, SYS_set_robust_list, SYS_rseq, SYS_membarrier, SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep,
     SYS_nanosleep, SYS_gettimeofday, SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn, SYS_rt_sigtimedwait,
     SYS_sigaltstack, SYS_restart_syscall, SYS_tgkill, SYS_exit, SYS_exit_group,
     /* memory */

@@ -10,6 +10,7 @@
 #include "gd/control.h"
 #include "server/place.h"
 #include "server/traffic.h"
+#include "server/yielding.h"
 
 #define WORK_NS 500000 /* between two moments that a thread gives up */
 
@@ -75,8 +76,11 @@ static struct server_job *take_expired(struct server_workers *workers, uint64_t 
 
 /* --- threads ------------------------------------------------------------------------------------------------------ */
 
+static _Thread_local struct server_yielding yielding;
+
 static void run_job(struct server_workers *workers, struct server_job *job)
 {
+    server_yielding_begin(&yielding, gd_now_ns());
     atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
     if (atomic_load(&workers->cancelled))
         job->refuse(job, SERVER_REFUSAL_DRAINING);
@@ -84,6 +88,7 @@ static void run_job(struct server_workers *workers, struct server_job *job)
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);
+    server_place_behind(false);
     atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
 }
 
@@ -92,15 +97,29 @@ bool server_workers_are_busy(const struct server_workers *workers)
     return atomic_load_explicit(&workers->busy, memory_order_relaxed) > 0;
 }
 
-/* A thread that sleeps keeps what it is due, where one that yields gives it up: on a machine that others use too, work would starve. */
-static void give_way(void)
+static uint64_t processor_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+/* While requests come densely. A thread that sleeps keeps what it is due, where one that yields gives it up: on a machine that others use too, work would
+ * starve. */
+static void take_a_nap(uint64_t now_ns)
 {
     static _Thread_local struct server_traffic traffic;
-    static _Thread_local uint64_t gave_ns;
     const struct timespec moment = {.tv_nsec = 1}; /* and what the kernel's timers add to it: some 50 microseconds */
+    if (server_traffic_is_dense(&traffic, now_ns)) nanosleep(&moment, NULL);
+}
+
+static void give_way(void)
+{
+    static _Thread_local uint64_t gave_ns;
     uint64_t now = gd_now_ns();
-    if (now - gave_ns < WORK_NS || !server_traffic_is_dense(&traffic, now)) return;
-    nanosleep(&moment, NULL);
+    if (now - gave_ns < WORK_NS) return;
+    server_place_behind(server_yielding_is_due(&yielding, now, processor_ns()));
+    take_a_nap(now);
     gave_ns = gd_now_ns();
 }
 
