@@ -46,27 +46,32 @@ void gd__pool_destroy(struct gd__pool *pool)
 
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
 {
-    struct gd__pool_chunk *largest = pool->chunks; /* the newest */
-    if (largest) free_chunks(largest->next);
-    if (largest) largest->next = NULL;
+    struct gd__pool_chunk *only = pool->chunks;
+    size_t before = pool->bytes > pool->before ? pool->bytes : pool->before;
+    if (only && only->next) {
+        free_chunks(only);
+        only = NULL;
+    }
     gd__pool_init(pool, item_size, purse);
-    if (largest) adopt(pool, largest);
+    pool->before = before;
+    if (only) adopt(pool, only);
     if (purse) purse->held += pool->bytes;
 }
 
-/* Each chunk is as large as all before it together, within bounds; large ones lie on huge pages, which saves most page faults. */
-static size_t next_chunk_size(const struct gd__pool *pool, size_t need)
+/* Large ones lie on huge pages, which saves most page faults. */
+static size_t chunk_size(size_t wanted, size_t need)
 {
-    size_t size = pool->bytes < CHUNK_FIRST ? CHUNK_FIRST : pool->bytes;
-    if (size > CHUNK_LAST) size = CHUNK_LAST;
+    size_t size = wanted < CHUNK_FIRST ? CHUNK_FIRST : wanted > CHUNK_LAST ? CHUNK_LAST : wanted;
     if (size < need + CHUNK_HEADER) size = need + CHUNK_HEADER;
     return size > HUGE_PAGE ? (size + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1) : (size + 63) & ~(size_t)63;
 }
 
+/* Each chunk is as large as all before it together, within bounds; the first one as all of the time before, if that can be afforded. */
 static enum gd_status grow(struct gd__pool *pool, size_t need)
 {
-    size_t size = next_chunk_size(pool, need);
+    size_t size = chunk_size(pool->bytes ? pool->bytes : pool->before, need);
     enum gd_status status = gd__purse_take(pool->purse, size);
+    if (status) status = gd__purse_take(pool->purse, size = chunk_size(pool->bytes, need));
     if (status) return status;
     struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;
