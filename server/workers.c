@@ -76,10 +76,13 @@ static struct server_job *take_expired(struct server_workers *workers, uint64_t 
 
 /* --- threads ------------------------------------------------------------------------------------------------------ */
 
-static _Thread_local struct server_yielding yielding;
+static _Thread_local struct server_yielding yielding; /* of the job at hand; all zero between jobs */
 
+/* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there, this one does not begin there. */
 static void run_job(struct server_workers *workers, struct server_job *job)
 {
+    const struct server_yielding outer = yielding;
+    server_place_behind(false);
     server_yielding_begin(&yielding, gd_now_ns());
     atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
     if (atomic_load(&workers->cancelled))
@@ -88,7 +91,8 @@ static void run_job(struct server_workers *workers, struct server_job *job)
         job->refuse(job, SERVER_REFUSAL_DEADLINE);
     else
         job->run(job);
-    server_place_behind(false);
+    yielding = outer;
+    server_place_behind(yielding.is_behind);
     atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
 }
 

@@ -58,7 +58,8 @@ void server_workers_expire(struct server_workers *workers, uint64_t now_ns);
 void server_workers_cancel(struct server_workers *workers);
 bool server_workers_cancelled(struct server_workers *workers);
 
-/* To be called by running work about every millisecond: where requests come densely, the thread gives its core up for a moment. False: after a cancel. */
+/* To be called by running work about every millisecond: where requests come densely, the thread gives its core up for a moment; long work goes behind all
+ * others (yielding.h). False: after a cancel. */
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {

@@ -1,5 +1,6 @@
 #include "base/pool.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "base/large.h"
@@ -7,6 +8,7 @@
 #define CHUNK_FIRST ((size_t)64 << 10)
 #define CHUNK_LAST  ((size_t)64 << 20)
 #define HUGE_PAGE   ((size_t)2 << 20)
+#define BUDGET_PART 8
 
 struct gd__pool_chunk {
     struct gd__pool_chunk *next;
@@ -46,15 +48,19 @@ void gd__pool_destroy(struct gd__pool *pool)
 
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse)
 {
-    struct gd__pool_chunk *only = pool->chunks;
-    size_t before = pool->bytes > pool->before ? pool->bytes : pool->before;
-    if (only && only->next) {
-        free_chunks(only);
-        only = NULL;
+    struct gd__pool_chunk *kept = pool->chunks; /* the newest: the largest */
+    size_t before = pool->bytes;
+    bool is_all = kept && !kept->next, is_largest = kept && kept->size >= CHUNK_LAST;
+    if (is_all || is_largest) {
+        free_chunks(kept->next);
+        kept->next = NULL;
+    } else {
+        free_chunks(kept);
+        kept = NULL;
     }
     gd__pool_init(pool, item_size, purse);
     pool->before = before;
-    if (only) adopt(pool, only);
+    if (kept) adopt(pool, kept);
     if (purse) purse->held += pool->bytes;
 }
 
@@ -66,12 +72,19 @@ static size_t chunk_size(size_t wanted, size_t need)
     return size > HUGE_PAGE ? (size + HUGE_PAGE - 1) & ~(HUGE_PAGE - 1) : (size + 63) & ~(size_t)63;
 }
 
-/* Each chunk is as large as all before it together, within bounds; the first one as all of the time before, if that can be afforded. */
+/* What is not needed for sure may not be missed elsewhere. */
+static bool is_small_beside_budget(const struct gd__purse *purse, size_t bytes)
+{
+    size_t budget = purse && purse->control ? purse->control->budget_bytes : 0;
+    return !budget || bytes <= budget / BUDGET_PART;
+}
+
+/* Each chunk is as large as all before it together, within bounds; the first one as all of the last time. */
 static enum gd_status grow(struct gd__pool *pool, size_t need)
 {
-    size_t size = chunk_size(pool->bytes ? pool->bytes : pool->before, need);
+    bool again = !pool->bytes && is_small_beside_budget(pool->purse, pool->before);
+    size_t size = chunk_size(again ? pool->before : pool->bytes, need);
     enum gd_status status = gd__purse_take(pool->purse, size);
-    if (status) status = gd__purse_take(pool->purse, size = chunk_size(pool->bytes, need));
     if (status) return status;
     struct gd__pool_chunk *chunk = gd__large_array(1, size);
     if (!chunk) return GD_NO_MEMORY;

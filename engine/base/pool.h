@@ -20,16 +20,16 @@ struct gd__pool {
     char *cursor, *end; /* the unused rest of the newest chunk */
     void *free_blocks[GD__POOL_CLASSES];
     size_t bytes;          /* of all chunks */
-    size_t before;         /* most that it had before it began anew */
+    size_t before;         /* what it had when it began anew */
     enum gd_status status; /* why the last request failed */
 };
 
 void gd__pool_init(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 void gd__pool_destroy(struct gd__pool *pool);
 
-/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if there is one only, which the purse is charged with unasked;
- * the next one after several is as large as all of them: who does the same again finds it there, without a page fault. An all-zero pool
- * will do. */
+/* Takes all blocks back and begins anew as gd__pool_init does, but keeps the chunk if it is the only one, or one of the largest; the purse is charged
+ * with it unasked. After several the next one is as large as all of them were, so that who does the same for the third time has one chunk,
+ * without page faults. An all-zero pool will do. */
 void gd__pool_restart(struct gd__pool *pool, size_t item_size, struct gd__purse *purse);
 
 /* Items of a block: 1 to 16 of them, then powers of two. */

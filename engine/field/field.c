@@ -6,6 +6,7 @@
 #include "mesh/segment.h"
 
 #define CHECK_PARTS 8
+#define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */
 
 /* --- building ------------------------------------------------------------------------------------------------------------ */
 
@@ -56,13 +57,14 @@ size_t gd__field_bytes(const struct gd_field *field)
            field->seed_count * (sizeof *field->seeds + 2 * sizeof *field->face_seeds);
 }
 
-/* The metric's own law on every edge within reach: a neighbour is no farther than the edge between (so no vertex was left out either). Where windows
- * tie to the last bit all along, as round a very thin tube, rounding may displace all of them: then there is no answer, rather than a wrong one. */
+/* Parts of the edges are checked at a time. */
 struct check {
     const struct gd_field *field;
     bool failed[CHECK_PARTS];
 };
 
+/* The metric's own law on every edge within reach: a neighbour is no farther than the edge between (so no vertex was left out either). Where windows
+ * tie to the last bit all along, as round a very thin tube, rounding may displace all of them: then there is no answer, rather than a wrong one. */
 static void check_edges(void *context, uint32_t part)
 {
     struct check *check = context;
@@ -80,7 +82,7 @@ static void check_edges(void *context, uint32_t part)
 static enum gd_status check_field(const struct gd_field *field, const struct gd_executor *executor)
 {
     struct check check = {.field = field};
-    gd_executor_run(executor, check_edges, &check, CHECK_PARTS);
+    gd_executor_run(field->mesh->edge_count < CHECK_LEAST ? NULL : executor, check_edges, &check, CHECK_PARTS);
     for (int part = 0; part < CHECK_PARTS; part++)
         if (check.failed[part]) return GD_INTERNAL;
     return GD_OK;

@@ -201,7 +201,8 @@ static bool is_idle(const struct part *part)
     return !part->inbox.vertex_count && !part->inbox.list_count && gd__queue_first(part->front.queue) == GD_NONE;
 }
 
-/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a little farther. */
+/* Mail that is not read yet may bring something nearer than what waits: it only makes the turn go a little farther. Where nothing waits but mail,
+ * TURN_WORK alone ends the turn. */
 static uint32_t find_end(const struct pair *pair)
 {
     uint32_t a = gd__queue_first(pair->part[0].front.queue), b = gd__queue_first(pair->part[1].front.queue);
@@ -215,9 +216,15 @@ static double progress(const struct pair *pair)
            (2 * (double)pair->part[0].front.mesh->edge_count);
 }
 
+/* An entry that the queue lost for want of memory is known only there. */
 static enum gd_status status_of(const struct pair *pair)
 {
-    return pair->part[0].front.status ? pair->part[0].front.status : pair->part[1].front.status;
+    for (int i = 0; i < 2; i++) {
+        const struct gd__wavefront *front = &pair->part[i].front;
+        if (front->status) return front->status;
+        if (front->queue->out_of_memory) return GD_NO_MEMORY;
+    }
+    return GD_OK;
 }
 
 static enum gd_status propagate(struct pair *pair, const struct gd_control *monitor, const struct gd_executor *executor)

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHELL       64 /* samples about equally far from the source: bits of one word */
+#define SHELL       64 /* samples about equally far from the source */
 #define SHELLS      16
 #define SAMPLES     (SHELLS * SHELL)
 #define DIRECTIONS  99
@@ -12,6 +12,7 @@
 
 struct sample {
     double x, y, z, distance; /* from the source, straight */
+    uint32_t number;
 };
 
 static double height_of(const struct sample *sample, struct gd_vec3 normal)
@@ -26,10 +27,12 @@ static struct sample sample_face(const struct gd_mesh *mesh, uint32_t face, stru
     return (struct sample){.x = p->x - source.x, .y = p->y - source.y, .z = p->z - source.z};
 }
 
+/* No two are equal, so that the order is that of any sort. */
 static int by_distance(const void *a, const void *b)
 {
-    double first = ((const struct sample *)a)->distance, second = ((const struct sample *)b)->distance;
-    return (first > second) - (first < second);
+    const struct sample *first = a, *second = b;
+    if (first->distance != second->distance) return first->distance < second->distance ? -1 : 1;
+    return first->number < second->number ? -1 : 1;
 }
 
 /* The nearest first: a wavefront meets one shell after the other, more or less. */
@@ -38,6 +41,7 @@ static void take_samples(const struct gd_mesh *mesh, struct gd_vec3 source, stru
     for (uint32_t i = 0; i < SAMPLES; i++) {
         struct sample *s = &samples[i];
         *s = sample_face(mesh, (uint32_t)((uint64_t)i * mesh->face_count / SAMPLES), source);
+        s->number = i;
         s->distance = sqrt(s->x * s->x + s->y * s->y + s->z * s->z);
     }
     qsort(samples, SAMPLES, sizeof *samples, by_distance);
@@ -88,7 +92,8 @@ void gd__halves_divide(const struct gd_mesh *mesh, struct gd_vec3 source, uint8_
         for (int k = 0; k < 3; k++) {
             uint32_t side = mesh->face_side[face][k];
             side_half[side] = half;
-            if (mesh->side_face[side ^ 1] == GD_NONE) side_half[side ^ 1] = half;
+            if (mesh->side_face[side ^ 1] == GD_NONE) /* boundary; its record would be a cache line more */
+                side_half[side ^ 1] = half;
             vertex_halves[mesh->origin[side]] |= (uint8_t)(1 << half);
         }
     }
