@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include <sched.h>
 #include <stdatomic.h>
 
 #include "gd/control.h"
@@ -176,6 +177,51 @@ static void the_background_runs_what_no_other_thread_is_free_for(void **state)
     }
 }
 
+/* Works for long enough to go behind, lets a queued job run in between, and sees what policy either has. */
+struct long_job {
+    struct server_job job; /* first */
+    struct server_workers *workers;
+    int before, within, after;
+    sem_t is_behind, is_queued, done;
+};
+
+static void note_policy(struct server_job *job)
+{
+    ((struct long_job *)job)->within = sched_getscheduler(0);
+}
+
+static void work_for_long(struct server_job *job)
+{
+    struct long_job *work = (struct long_job *)job;
+    for (uint64_t begin = gd_now_ns(); gd_now_ns() < begin + 80000000;) (void)server_workers_go_on(work->workers);
+    work->before = sched_getscheduler(0);
+    sem_post(&work->is_behind);
+    sem_wait(&work->is_queued);
+    server_workers_yield(work->workers);
+    work->after = sched_getscheduler(0);
+    sem_post(&work->done);
+}
+
+static void short_work_within_long_work_is_not_behind(void **state)
+{
+    (void)state;
+    struct long_job within = {.job = {.run = note_policy, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    struct long_job work = {.job = {.run = work_for_long, .refuse = test_job_refuse, .deadline_ns = UINT64_MAX}};
+    sem_init(&work.is_behind, 0, 0);
+    sem_init(&work.is_queued, 0, 0);
+    sem_init(&work.done, 0, 0);
+    work.workers = server_workers_create(1, 10);
+    server_workers_submit_background(work.workers, &work.job);
+    sem_wait(&work.is_behind);
+    assert_true(server_workers_submit(work.workers, &within.job));
+    sem_post(&work.is_queued);
+    sem_wait(&work.done);
+    server_workers_destroy(work.workers);
+    assert_int_equal(within.within, SCHED_OTHER);
+    assert_int_equal(work.after, work.before);
+    if (work.before != SCHED_IDLE) skip(); /* it may not come back, so it did not go; or others took its time */
+}
+
 static void the_background_can_be_refused(void **state)
 {
     (void)state;
@@ -256,6 +302,7 @@ int main(void)
         cmocka_unit_test(a_cancel_refuses_all_that_is_not_running),
         cmocka_unit_test(the_background_waits_for_an_empty_queue),
         cmocka_unit_test(the_background_runs_what_no_other_thread_is_free_for),
+        cmocka_unit_test(short_work_within_long_work_is_not_behind),
         cmocka_unit_test(the_background_can_be_refused),
         cmocka_unit_test(the_background_can_be_withdrawn),
         cmocka_unit_test(a_parked_job_is_queued_again_or_refused),
