@@ -8,9 +8,9 @@
 
 #define ITEM 64
 
+/* The next one stands first in each. */
 static uint32_t chunks_of(const struct gd__pool *pool)
 {
-    /* the next one stands first in each */
     uint32_t count = 0;
     for (const void *chunk = pool->chunks; chunk; memcpy(&chunk, chunk, sizeof chunk)) count++;
     return count;
@@ -65,6 +65,28 @@ static void the_same_again_is_one_chunk(void **state)
     gd__pool_destroy(&pool);
 }
 
+/* Chunks have a largest size: one of those is kept of several, the others are given back. */
+static void of_many_large_chunks_one_is_kept(void **state)
+{
+    (void)state;
+    const size_t item = (size_t)1 << 20; /* only asked for: untouched memory costs nothing */
+    struct gd__pool pool = {0};
+    gd__pool_restart(&pool, item, NULL);
+    for (int i = 0; i < 250; i++) assert_non_null(gd__pool_take(&pool, 0));
+    const void *newest = pool.chunks;
+    size_t all = pool.bytes;
+    assert_true(chunks_of(&pool) > 3);
+    struct gd__purse purse = {0};
+    gd__pool_restart(&pool, item, &purse);
+    assert_int_equal(chunks_of(&pool), 1);
+    assert_ptr_equal(pool.chunks, newest);
+    assert_in_range(pool.bytes, all / 8, all / 2);
+    assert_int_equal(purse.held, pool.bytes);
+    assert_non_null(gd__pool_take(&pool, 0));
+    assert_int_equal(chunks_of(&pool), 1);
+    gd__pool_destroy(&pool);
+}
+
 /* Less is done, and less may be taken than the time before. */
 static void a_small_budget_is_enough_for_little(void **state)
 {
@@ -86,8 +108,8 @@ static void a_small_budget_is_enough_for_little(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(released_blocks_come_first),
-                                       cmocka_unit_test(the_same_again_is_one_chunk),
-                                       cmocka_unit_test(a_small_budget_is_enough_for_little)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(released_blocks_come_first), cmocka_unit_test(the_same_again_is_one_chunk),
+        cmocka_unit_test(of_many_large_chunks_one_is_kept), cmocka_unit_test(a_small_budget_is_enough_for_little)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,24 +1,14 @@
 /* What becomes of a worker's thread, with the right to come back and without: tried by children. */
+#include "child.h"
 #include "support.h"
 
 #include <sched.h>
-#include <stdio.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "server/place.h"
 
-enum { NOBODY = 65534, SKIPPED = 77 };
-
-#define INSIST(holds)                                                                                                  \
-    do {                                                                                                               \
-        if (!(holds)) {                                                                                                \
-            fprintf(stderr, "line %d does not hold\n", __LINE__);                                                      \
-            _exit(1);                                                                                                  \
-        }                                                                                                              \
-    } while (0)
+#define NOBODY 65534
 
 static int nice_of_thread(void)
 {
@@ -64,11 +54,11 @@ static void try_in_child(void (*try)(void))
     assert_true(child >= 0);
     if (child == 0) {
         try();
-        _exit(0);
+        _exit(FINE);
     }
     assert_int_equal(waitpid(child, &status, 0), child);
     if (WIFEXITED(status) && WEXITSTATUS(status) == SKIPPED) skip();
-    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == FINE);
 }
 
 static void with_the_right(void **state)

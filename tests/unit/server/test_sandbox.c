@@ -1,29 +1,17 @@
 /* What a daemon in its sandbox can and can't do, tried by a child that enters it. */
+#include "child.h"
 #include "folder.h"
 
 #include <arpa/inet.h>
-#include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 
 #include "server/config.h"
 
-/* What a child ends with. */
-enum { FINE, WRONG = 10, SKIPPED = 77 };
-
-/* Ends the child, naming the line, unless it holds. */
-#define INSIST(holds)                                                                                                  \
-    do {                                                                                                               \
-        if (!(holds)) {                                                                                                \
-            fprintf(stderr, "line %d does not hold (%s)\n", __LINE__, strerror(errno));                                \
-            _exit(WRONG);                                                                                              \
-        }                                                                                                              \
-    } while (0)
 #define REFUSED(call, why) (errno = 0, (call) == -1 && errno == (why))
 
 struct fixture {
