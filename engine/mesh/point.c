@@ -245,8 +245,3 @@ uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *p
     }
     return mesh->vertex_component[mesh->origin[mesh->face_side[point->element][0]]];
 }
-
-bool gd_point_equal(const struct gd_point *a, const struct gd_point *b)
-{
-    return a->kind == b->kind && a->element == b->element && memcmp(a->weight, b->weight, sizeof a->weight) == 0;
-}

@@ -23,8 +23,18 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
     return false;
 }
 
+/* Of two edges: most segments of a curve join such, and their faces need not be looked at. */
+static uint32_t face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
+{
+    const uint32_t *of_p = &mesh->side_face[2 * p], *of_q = &mesh->side_face[2 * q];
+    bool first = of_p[0] == of_q[0] || of_p[0] == of_q[1], second = of_p[1] == of_q[0] || of_p[1] == of_q[1];
+    if (first && of_p[0] != GD_NONE) return of_p[0];
+    return second ? of_p[1] : GD_NONE;
+}
+
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
 {
+    if (p->kind == GD_POINT_EDGE && q->kind == GD_POINT_EDGE) return face_of_edges(mesh, p->element, q->element);
     if (p->kind == GD_POINT_FACE) return gd__face_contains(mesh, p->element, q) ? p->element : GD_NONE;
     if (q->kind != GD_POINT_VERTEX && p->kind == GD_POINT_VERTEX) return gd__common_face(mesh, q, p);
     uint32_t begin = 2 * p->element, end = begin + 2;
@@ -78,9 +88,10 @@ static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face
     const struct gd_side *side = &mesh->side[mesh->face_side[face][k]];
     int l = (k + 1) % 3, m = (k + 2) % 3;
     struct gd__local span = gd__side_local(side, to[l] - from[l], to[m] - from[m]);
-    double length = sqrt(span.x * span.x + span.y * span.y);
-    return (struct gd__chord){
-        .from = gd__side_local(side, from[l], from[m]), .along = {span.x / length, span.y / length}, .length = length};
+    double length = sqrt(span.x * span.x + span.y * span.y), inverse = 1 / length;
+    return (struct gd__chord){.from = gd__side_local(side, from[l], from[m]),
+                              .along = {span.x * inverse, span.y * inverse},
+                              .length = length};
 }
 
 struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,

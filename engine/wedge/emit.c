@@ -3,15 +3,6 @@
 /* Emission: what a pseudo-source sees at once. A seed at a vertex sees its fan; a saddle or boundary vertex only the shadow cone behind it, where a
  * path that bends there is locally shortest: at least pi on both sides of the ray that came in. */
 
-void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
-{
-    if (!front->status) front->status = gd__children_open(&front->work->left, &front->work->pool, 1);
-    if (front->status) return;
-    gd__windows_put(&front->work->left.at, 0, window);
-    front->work->left.count = 1;
-    gd__wavefront_deliver(front, to, &front->work->left);
-}
-
 /* --- vertices ------------------------------------------------------------------------------------------------------------ */
 
 /* Angle of the ray from `vertex` back along its last leg, in its fan. */

@@ -148,7 +148,8 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
     return children->count && !front->status;
 }
 
-void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+static inline __attribute__((always_inline)) void deliver(struct gd__wavefront *front, const struct gd__receiver *to,
+                                                          struct gd__children *children)
 {
     bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
     if (!is_ours) send(front, to->side, children);
@@ -165,6 +166,21 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     front->status =
         gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
+}
+
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
+{
+    deliver(front, to, children);
+}
+
+void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
+{
+    struct gd__children *one = &front->work->left;
+    if (!front->status) front->status = gd__children_open(one, &front->work->pool, 1);
+    if (front->status) return;
+    gd__windows_put(&one->at, 0, window);
+    one->count = 1;
+    deliver(front, to, one);
 }
 
 /* --- set-up -------------------------------------------------------------------------------------------------------------- */
@@ -184,8 +200,10 @@ static void aim(struct gd__wavefront *front, const struct gd_point *target)
 static double bucket_width(const struct gd__wavefront *front)
 {
     double least = GD__FAR;
+    const struct gd_mesh *mesh = front->mesh;
+    if (mesh->summary.components == 1) return BUCKET_WIDTH * mesh->component[0].grain;
     for (uint32_t i = 0; i < front->seed_count; i++) {
-        double grain = front->mesh->component[gd_point_component(front->mesh, &front->seeds[i].point)].grain;
+        double grain = mesh->component[gd_point_component(mesh, &front->seeds[i].point)].grain;
         if (grain < least) least = grain;
     }
     return BUCKET_WIDTH * least;

@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "gd/mesh.h"
 
@@ -56,6 +57,9 @@ void gd_points_positions(const struct gd_mesh *mesh, const struct gd_point *poin
 uint32_t gd_point_component(const struct gd_mesh *mesh, const struct gd_point *point);
 
 /* The same canonical point, to the last bit. */
-bool gd_point_equal(const struct gd_point *a, const struct gd_point *b);
+static inline bool gd_point_equal(const struct gd_point *a, const struct gd_point *b)
+{
+    return a->kind == b->kind && a->element == b->element && memcmp(a->weight, b->weight, sizeof a->weight) == 0;
+}
 
 #endif
