@@ -70,9 +70,9 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
         spread[k] = gd__spread_in_face(&joint, k);
-        seed_apex(front, seed, sides[k], at[k], &spread[k]);
     }
-    if (gd__is_straight(&spread[0])) return;
+    if (gd__is_straight(&spread[0])) return; /* its segments see the corners beside it, too */
+    for (int k = 0; k < 3; k++) seed_apex(front, seed, sides[k], at[k], &spread[k]);
     for (int k = 0; k < 3; k++) {
         struct gd__local origin = {-at[k].x, -at[k].y}, destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
         seed_across(front, seed, sides[k], at[k], gd__part_behind(&spread[k], origin, destination));
@@ -111,11 +111,11 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     uint32_t side = 2 * point->element;
     double length = front->mesh->side[side].length, t = point->weight[0] * length;
     const struct gd__joint joint = gd__joint_of(front, laying, seed);
-    const struct gd__spread spread = gd__spread_from_edge(front, &joint, side),
-                            other = gd__spread_from_other_side(spread);
+    const struct gd__spread spread = gd__spread_from_edge(front, &joint, side);
+    if (gd__is_straight(&spread)) return; /* as in a face */
+    const struct gd__spread other = gd__spread_from_other_side(spread);
     seed_corners(front, seed, side, t, &spread);
     seed_corners(front, seed, side ^ 1, length - t, &other);
-    if (gd__is_straight(&spread)) return;
     seed_half_edge(front, seed, side, t, &spread);
     seed_half_edge(front, seed, side ^ 1, length - t, &other);
 }
@@ -176,14 +176,15 @@ static bool is_end(const struct gd__wavefront *front, uint32_t seed, uint32_t ve
     return false;
 }
 
-/* Straight to the apex of `side`, where its perpendicular meets the chord. */
+/* Straight to the apex of `side`, where its perpendicular meets the chord, be it by rounding: at the end of a segment that goes on straight. */
 static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                                  const struct gd__chord *chord)
 {
     const struct gd_side *s = &front->mesh->side[side];
     struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
     double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = copysign(1, height);
-    bool is_seen = (foot > 0) & (foot < chord->length) & (height != 0);
+    double beside = GD_TOL_ONWARD * fabs(height);
+    bool is_seen = (foot > -beside) & (foot < chord->length + beside) & (height != 0);
     if (!is_seen || is_end(front, seed, gd__side_apex(front->mesh, side))) return;
     struct gd__birth birth = {
         .x = left * chord->along.y, .y = left * chord->along.x, .side = side, .source = linear_source(front, seed)};
