@@ -3,8 +3,9 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
+#include "wedge/asking.h"
 
-enum { DIGIT = 256, FEW = 32 }; /* FEW are sorted in place */
+enum { DIGIT = 256, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
 
 /* The faces that contain a seed inside of them; at most two, GD_NONE fills. False: a segment in no face. */
 static bool faces_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t faces[2])
@@ -16,6 +17,13 @@ static bool faces_of_seed(const struct gd_mesh *mesh, const struct gd__seed *see
     for (uint32_t k = 0; k < 2; k++) faces[k] = home.edge == GD_NONE ? GD_NONE : mesh->side_face[2 * home.edge + k];
     if (home.face != GD_NONE) faces[0] = home.face;
     return true;
+}
+
+/* Asks for the faces of an edge some seeds ahead: those of a curve are nowhere near each other in memory. */
+GD__ASKING ask_ahead(const struct gd_field *field, uint32_t seed)
+{
+    if (seed >= field->seed_count || field->seeds[seed].point.kind != GD_POINT_EDGE) return;
+    __builtin_prefetch(&field->mesh->side_face[2 * field->seeds[seed].point.element]);
 }
 
 static void insert_in_place(struct gd__face_seed *list, uint32_t count)
@@ -68,6 +76,7 @@ enum gd_status gd__field_index_seeds(struct gd_field *field)
     if (!field->face_seeds) return GD_NO_MEMORY;
     for (uint32_t i = 0; i < field->seed_count; i++) {
         uint32_t faces[2];
+        ask_ahead(field, i + SEEDS_AHEAD);
         field->has_segments |= field->seeds[i].is_segment;
         if (!faces_of_seed(mesh, &field->seeds[i], faces)) return GD_INVALID_ARGUMENT;
         for (int k = 0; k < 2; k++)

@@ -23,13 +23,14 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
     return false;
 }
 
-/* Of two edges: most segments of a curve join such, and their faces need not be looked at. */
+/* Of two edges: most segments of a curve join such, and their faces need not be looked at. Without branches: either face is as likely. */
 static uint32_t face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
 {
     const uint32_t *of_p = &mesh->side_face[2 * p], *of_q = &mesh->side_face[2 * q];
-    bool first = of_p[0] == of_q[0] || of_p[0] == of_q[1], second = of_p[1] == of_q[0] || of_p[1] == of_q[1];
-    if (first && of_p[0] != GD_NONE) return of_p[0];
-    return second ? of_p[1] : GD_NONE;
+    bool first = (of_p[0] != GD_NONE) & ((of_p[0] == of_q[0]) | (of_p[0] == of_q[1])),
+         second = (of_p[1] == of_q[0]) | (of_p[1] == of_q[1]);
+    uint32_t otherwise = second ? of_p[1] : GD_NONE;
+    return first ? of_p[0] : otherwise;
 }
 
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
