@@ -294,6 +294,13 @@ static bool describe_accessors(struct writing *writing)
     return fits;
 }
 
+static void write_level(struct writing *writing, double level)
+{
+    text(writing, ",\"extras\":{\"level\":");
+    gd__output_double(writing->json, level);
+    text(writing, "}");
+}
+
 static void describe_scene(struct writing *writing)
 {
     const struct gd_result *result = writing->result;
@@ -315,7 +322,9 @@ static void describe_scene(struct writing *writing)
     for (uint32_t line = 0; line < result->line_count; line++) {
         member(writing,
                primitives++ ? ",{\"attributes\":{\"POSITION\":" : "{\"attributes\":{\"POSITION\":", accessor++);
-        text(writing, "},\"mode\":3,\"material\":1}");
+        text(writing, "},\"mode\":3,\"material\":1");
+        if (result->levels) write_level(writing, result->levels[line]);
+        text(writing, "}");
     }
     text(writing, "]}]");
 }

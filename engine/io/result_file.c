@@ -28,6 +28,19 @@ static void write_line(struct gd__output *output, uint64_t begin, uint64_t count
     gd__output_text(output, "\n");
 }
 
+/* The lines that follow are of another level than those before. */
+static bool begins_level(const struct gd_result *result, uint32_t line)
+{
+    return result->levels && (!line || result->levels[line] != result->levels[line - 1]);
+}
+
+static void write_group(struct gd__output *output, double level)
+{
+    gd__output_text(output, "g level_");
+    gd__output_double(output, level);
+    gd__output_text(output, "\n");
+}
+
 /* A line of one point is no line in OBJ: its vertex stands there alone. */
 static enum gd_status write_obj(struct gd__output *output, const struct gd_result *result)
 {
@@ -41,6 +54,7 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
     }
     for (uint32_t line = 0; line < result->line_count; line++) {
         uint32_t begin = result->first[line], count = result->first[line + 1] - begin;
+        if (begins_level(result, line)) write_group(output, result->levels[line]);
         if (count > 1) write_line(output, before + begin, count);
     }
     return GD_OK;
@@ -48,13 +62,13 @@ static enum gd_status write_obj(struct gd__output *output, const struct gd_resul
 
 /* --- CSV ---------------------------------------------------------------------------------------------------------- */
 
-static void write_row(struct gd__output *output, const double position[3], double last)
+/* All of a row behind its numbers but for its end. */
+static void write_place(struct gd__output *output, const double position[3], double distance)
 {
     gd__output_text(output, ",");
     gd__write_xyz(output, position, ",");
     gd__output_text(output, ",");
-    if (isfinite(last)) gd__output_double(output, last);
-    gd__output_text(output, "\r\n");
+    if (isfinite(distance)) gd__output_double(output, distance);
 }
 
 static double step(const double a[3], const double b[3])
@@ -70,18 +84,28 @@ static void write_line_rows(struct gd__output *output, const struct gd_result *r
         gd__output_integer(output, line);
         gd__output_text(output, ",");
         gd__output_integer(output, i - result->first[line]);
-        write_row(output, result->points[i], along);
+        write_place(output, result->points[i], along);
+        if (result->levels) gd__output_text(output, ",");
+        if (result->levels) gd__output_double(output, result->levels[line]);
+        gd__output_text(output, "\r\n");
     }
+}
+
+static const char *header_of(const struct gd_result *result)
+{
+    if (!result->line_count) return "vertex,x,y,z,distance\r\n";
+    return result->levels ? "line,point,x,y,z,along,level\r\n" : "line,point,x,y,z,along\r\n";
 }
 
 static enum gd_status write_csv(struct gd__output *output, const struct gd_result *result)
 {
     if (!result->line_count && !(result->mesh && result->distances)) return GD_INVALID_ARGUMENT;
-    gd__output_text(output, result->line_count ? "line,point,x,y,z,along\r\n" : "vertex,x,y,z,distance\r\n");
+    gd__output_text(output, header_of(result));
     for (uint32_t line = 0; line < result->line_count; line++) write_line_rows(output, result, line);
     for (uint32_t i = 0; !result->line_count && i < result->mesh->position_count; i++) {
         gd__output_integer(output, i);
-        write_row(output, result->mesh->positions[i], result->distances[i]);
+        write_place(output, result->mesh->positions[i], result->distances[i]);
+        gd__output_text(output, "\r\n");
     }
     return GD_OK;
 }
@@ -114,7 +138,7 @@ enum gd_status gd_write_result(const struct gd_result *result, enum gd_result_fo
 }
 
 /* A number is GD_NUMBER_SIZE characters at most, an index 11; the output grows by half, so that there are two and a half of it for a moment. */
-#define ROW_BYTES    (4 * (GD_NUMBER_SIZE + 1) + 2 * 11)
+#define ROW_BYTES    (5 * (GD_NUMBER_SIZE + 1) + 2 * 11)
 #define CORNER_BYTES 11
 #define GROWTH       2.5
 

@@ -19,6 +19,7 @@ struct isolines {
     struct proto_isolines wanted;
     uint64_t points, arcs; /* written so far */
     struct gd_path *lines; /* of a file; the draft has none */
+    double *levels;        /* one for each of these */
     uint32_t line_count;
 };
 
@@ -159,15 +160,26 @@ static bool write_lines(struct isolines *isolines, const struct gd_isoline *isol
     return true;
 }
 
-/* For so many more lines of a file. */
-static bool make_room(struct isolines *isolines, uint32_t more, struct proto_problem *problem)
+static enum gd_status grow(struct isolines *isolines, size_t count)
 {
-    size_t bytes = (isolines->line_count + (size_t)more) * sizeof *isolines->lines;
+    struct gd_path *lines = realloc(isolines->lines, count * sizeof *lines);
+    if (!lines) return GD_NO_MEMORY;
+    isolines->lines = lines;
+    double *levels = realloc(isolines->levels, count * sizeof *levels);
+    if (!levels) return GD_NO_MEMORY;
+    isolines->levels = levels;
+    return GD_OK;
+}
+
+/* For so many more lines of a file, of a level. */
+static bool make_room(struct isolines *isolines, uint32_t more, double level, struct proto_problem *problem)
+{
+    size_t count = isolines->line_count + (size_t)more;
     if (!is_file(isolines) || more == 0) return true;
-    enum gd_status status = server_query_take(&isolines->field.query, more * sizeof *isolines->lines);
-    struct gd_path *lines = status ? NULL : realloc(isolines->lines, bytes);
-    if (lines) isolines->lines = lines;
-    if (!status && !lines) status = GD_NO_MEMORY;
+    enum gd_status status =
+        server_query_take(&isolines->field.query, more * (sizeof *isolines->lines + sizeof *isolines->levels));
+    if (!status) status = grow(isolines, count);
+    for (size_t i = isolines->line_count; i < count && !status; i++) isolines->levels[i] = level;
     return !status || server_query_fail(&isolines->field.query, status, WHAT, problem) == SERVER_QUERY_DONE;
 }
 
@@ -204,7 +216,8 @@ static bool write_level(struct isolines *isolines, const struct gd_field *field,
         server_query_fail(&isolines->field.query, status, "the isoline", problem);
         return false;
     }
-    bool ok = make_room(isolines, isoline.line_count, problem) && write_lines(isolines, &isoline, &second, problem);
+    bool ok =
+        make_room(isolines, isoline.line_count, level, problem) && write_lines(isolines, &isoline, &second, problem);
     server_query_give(&isolines->field.query, isoline.bytes);
     gd_isoline_free(&isoline);
     return ok;
@@ -255,7 +268,8 @@ static bool write_file(const struct server_query *query, char **bytes, size_t *s
 {
     const struct isolines *isolines = (const struct isolines *)query;
     if (!isolines->line_count) return server_result_refuse_nothing(problem, "there are no lines at these distances");
-    return server_result_write_paths(query, isolines->lines, isolines->line_count, bytes, size, problem);
+    const struct server_result_lines lines = {isolines->lines, isolines->levels, isolines->line_count};
+    return server_result_write_lines(query, &lines, bytes, size, problem);
 }
 
 static void release(struct server_query *query)
@@ -263,6 +277,7 @@ static void release(struct server_query *query)
     struct isolines *isolines = (struct isolines *)query;
     for (uint32_t i = 0; i < isolines->line_count; i++) gd_path_free(&isolines->lines[i]);
     free(isolines->lines);
+    free(isolines->levels);
     proto_isolines_free(&isolines->wanted);
     server_field_query_release(query);
 }

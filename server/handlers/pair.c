@@ -245,8 +245,9 @@ static bool write_path(const struct server_query *query, char **bytes, size_t *s
 {
     const struct gd_pair_answer *answer = &((const struct pair *)query)->answer;
     if (isinf(answer->distance)) return server_result_refuse_nothing(problem, "there is no path between the points");
+    const struct server_result_lines line = {.paths = &answer->path, .count = 1};
     if (query->form < SERVER_RESULT_LINE_FORMS_END)
-        return server_result_write_paths(query, &answer->path, 1, bytes, size, problem);
+        return server_result_write_lines(query, &line, bytes, size, problem);
     return server_result_write_strip(query, &answer->path, bytes, size, problem);
 }
 

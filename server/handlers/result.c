@@ -65,31 +65,32 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
 /* --- lines -------------------------------------------------------------------------------------------------------- */
 
 /* `first` tells where each path's points are, and how many there are. */
-static bool write_lines(const struct server_query *query, const struct gd_path *paths, const uint32_t *first,
-                        uint32_t count, char **bytes, size_t *size, struct proto_problem *problem)
+static bool write_lines(const struct server_query *query, const struct server_result_lines *lines,
+                        const uint32_t *first, char **bytes, size_t *size, struct proto_problem *problem)
 {
     static const enum gd_result_format formats[] = {GD_RESULT_OBJ, GD_RESULT_GLB, GD_RESULT_CSV};
-    double(*positions)[3] = malloc(first[count] * sizeof *positions);
+    double(*positions)[3] = malloc(first[lines->count] * sizeof *positions);
     if (!positions) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    for (uint32_t i = 0; i < count; i++)
-        gd_points_positions(query->surface->mesh, paths[i].points, paths[i].count, positions + first[i]);
-    const struct gd_result result = {.points = (const double(*)[3])positions, .first = first, .line_count = count};
+    for (uint32_t i = 0; i < lines->count; i++)
+        gd_points_positions(query->surface->mesh, lines->paths[i].points, lines->paths[i].count, positions + first[i]);
+    const struct gd_result result = {
+        .points = (const double(*)[3])positions, .first = first, .line_count = lines->count, .levels = lines->levels};
     bool ok = server_result_write(query, &result, query->with_mesh, formats[query->form - SERVER_FORM_FIRST], bytes,
                                   size, problem);
     free(positions);
     return ok;
 }
 
-bool server_result_write_paths(const struct server_query *query, const struct gd_path *paths, uint32_t count,
-                               char **bytes, size_t *size, struct proto_problem *problem)
+bool server_result_write_lines(const struct server_query *query, const struct server_result_lines *lines, char **bytes,
+                               size_t *size, struct proto_problem *problem)
 {
-    uint32_t *first = calloc(count + (size_t)1, sizeof *first);
+    uint32_t count = lines->count, *first = calloc(count + (size_t)1, sizeof *first);
     if (!first) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    for (uint32_t i = 0; i < count; i++) first[i + 1] = first[i] + paths[i].count;
+    for (uint32_t i = 0; i < count; i++) first[i + 1] = first[i] + lines->paths[i].count;
     size_t cost = first[count] * sizeof(double[3]) + count * sizeof *first;
     bool ok = hold(query, cost, problem);
     if (ok) {
-        ok = write_lines(query, paths, first, count, bytes, size, problem);
+        ok = write_lines(query, lines, first, bytes, size, problem);
         settle(query, cost, 0);
     }
     free(first);

@@ -18,9 +18,16 @@ bool server_result_write(const struct server_query *query, const struct gd_resul
     }
 #define SERVER_RESULT_LINE_FORMS_END (SERVER_FORM_FIRST + 3)
 
-/* The same of paths, at least one, as a line each, in the query's form, which is one of those. */
-bool server_result_write_paths(const struct server_query *query, const struct gd_path *paths, uint32_t count,
-                               char **bytes, size_t *size, struct proto_problem *problem);
+/* Paths, borrowed, at least one. */
+struct server_result_lines {
+    const struct gd_path *paths;
+    const double *levels; /* struct gd_result's; NULL: they have none */
+    uint32_t count;
+};
+
+/* The same of paths, as a line each, in the query's form, which is one of those. */
+bool server_result_write_lines(const struct server_query *query, const struct server_result_lines *lines, char **bytes,
+                               size_t *size, struct proto_problem *problem);
 
 /* The same of a path and the faces that it runs through, laid flat and drawn (proto/flat_strip.h). */
 bool server_result_write_strip(const struct server_query *query, const struct gd_path *path, char **bytes, size_t *size,

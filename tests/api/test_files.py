@@ -171,6 +171,7 @@ class Isolines(Files):
         cls.question = cls.path + "?levels=1.5,0.25&tolerance=0.01"
         isolines = cls.daemon.get(cls.question + "&geometry=xyz").json["isolines"]
         cls.lines = [line for isoline in isolines for line in isoline["lines"]]
+        cls.levels = [isoline["level"] for isoline in isolines for line in isoline["lines"]]
         assert len(cls.lines) > 1 and {line["closed"] for line in cls.lines} == {True}
 
     def points(self):
@@ -180,6 +181,7 @@ class Isolines(Files):
         rows = [row.split() for row in self.get_file(self.question, "obj").decode().splitlines()]
         self.assertEqual([list(map(float, row[1:])) for row in rows if row[0] == "v"], self.points())
         self.assertEqual([len(row) - 1 for row in rows if row[0] == "l"], [len(line["points"]) for line in self.lines])
+        self.assertEqual([row[1] for row in rows if row[0] == "g"], ["level_1.5", "level_0.25"])
         again = self.daemon.put("with-isolines", self.get_file(self.question + "&mesh=true", "obj")).json
         self.assertEqual(again["faces"], self.daemon.get("/v1/meshes/torus").json["faces"])
 
@@ -188,12 +190,14 @@ class Isolines(Files):
         self.assertEqual([[float(row[axis]) for axis in "xyz"] for row in rows], self.points())
         for index, line in enumerate(self.lines):
             mine = [row for row in rows if int(row["line"]) == index]
+            self.assertEqual({float(row["level"]) for row in mine}, {self.levels[index]})
             self.assertAlmostEqual(float(mine[-1]["along"]), sum(map(math.dist, line["points"], line["points"][1:])), 12)
             self.assertAlmostEqual(float(mine[-1]["along"]), line["length"], delta=0.02 * line["length"])
 
     def test_glb_has_a_strip_for_each(self):
         primitives = read_glb(self.get_file(self.question, "glb"))[0]["meshes"][0]["primitives"]
         self.assertEqual([primitive["mode"] for primitive in primitives], [3] * len(self.lines))
+        self.assertEqual([primitive["extras"]["level"] for primitive in primitives], self.levels)
 
     def test_by_post_accept_and_as_a_job(self):
         document, known = json.dumps({"levels": [1.5, 0.25], "tolerance": 0.01}), self.get_file(self.question, "csv")

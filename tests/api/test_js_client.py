@@ -65,7 +65,7 @@ class JavaScriptClient(TestCase):
             assert.deepEqual([...(await field.values())], [0, 0, 1, 1]);
             assert.deepEqual(await field.distances([2, "v:0"]), [1, 0]);
             assert.equal((await field.isolines([0.5])).length, 1);
-            assert.match(Buffer.from(await field.isolinesFile([0.5], "csv", { tolerance: 0.1 })).toString(), /^line,point,x,y,z,along/);
+            assert.match(Buffer.from(await field.isolinesFile([0.5], "csv", { tolerance: 0.1 })).toString(), /^line,point,x,y,z,along,level/);
             await field.delete();
             await assert.rejects(field.describe(), { status: 404, code: "not_found" });
             assert.equal(await square.exists(), true);

@@ -75,7 +75,7 @@ class Meshes(TestCase):
         self.assertAlmostEqual(field.max, field.distances([field.farthest])[0])
         self.assertIn("gradient", field.evaluate([2], gradient=True)[0])
         self.assertEqual(len(field.isolines([0.5])), 1)
-        self.assertTrue(field.isolines_file([0.5], "csv", tolerance=0.1).startswith(b"line,point,x,y,z,along"))
+        self.assertTrue(field.isolines_file([0.5], "csv", tolerance=0.1).startswith(b"line,point,x,y,z,along,level\r\n"))
         self.assertIn(b"\nf ", field.isolines_file([0.25, 0.5], mesh=True))
         self.assertEqual(self.square.field([0, 1]).id, field.id)
         self.assertEqual((field.file()[:4], field.file("glb")[:4]), (b"ply\n", b"glTF"))

@@ -4,11 +4,13 @@
  *     enum gd_status status = gd_write_result(&result, GD_RESULT_PLY, &bytes, &size);
  *
  * PLY: the mesh, binary little-endian, all in doubles, and `distance` as another property of its vertices (NaN: there is none). Lines are left out.
- * OBJ: the lines, as `v` and `l` statements, doubles to the last digit; behind the mesh if there is one. Distances are left out.
- * CSV: of lines a row `line,point,x,y,z,along` for each point, `along` being the length of the line up to there; else a row
- * `vertex,x,y,z,distance` for each vertex, the last cell empty where there is no distance. Rows end with CR LF (RFC 4180).
+ * OBJ: the lines, as `v` and `l` statements, doubles to the last digit; behind the mesh if there is one; those of a level in a group `g level_0.5`.
+ * Distances are left out.
+ * CSV: of lines a row `line,point,x,y,z,along` for each point, `along` being the length of the line up to there, and behind it `level` if they have
+ * such; else a row `vertex,x,y,z,distance` for each vertex, the last cell empty where there is no distance. Rows end with CR LF (RFC 4180).
  * GLB: mesh and lines in one scene, in floats from an origin that the node's translation keeps as doubles (gd/io.h). Distances are both COLOR_0, by
- * gd/colour_map.h with the largest distance at its end (grey: there is none), and _DISTANCE, in floats (-1: there is none). A line is a LINE_STRIP. */
+ * gd/colour_map.h with the largest distance at its end (grey: there is none), and _DISTANCE, in floats (-1: there is none). A line is a LINE_STRIP, whose
+ * level is in its primitive's extras: {"level": 0.5}. */
 #ifndef GD_RESULT_FILE_H
 #define GD_RESULT_FILE_H
 
@@ -38,6 +40,8 @@ struct gd_result {
     const double (*points)[3];      /* of the lines, one line after the other; finite */
     const uint32_t *first;          /* line_count + 1 offsets into `points`; a line has at least one point */
     uint32_t line_count;
+    const double
+        *levels; /* of isolines: the distance that each line lies at, finite; lines of a level stand together */
 };
 
 /* Writes a result. `*out` is malloc'ed and owned by the caller. Thread-safe; time linear in the output.

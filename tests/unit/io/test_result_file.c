@@ -51,6 +51,25 @@ static void writes_lines(void **state)
                GD_RESULT_OBJ, "v 0 0 0\n");
 }
 
+/* Three lines at two levels. */
+static void tells_levels(void **state)
+{
+    (void)state;
+    const double levels[3] = {0.1, 0.1, 2};
+    const struct gd_result result = {
+        .points = points, .first = (const uint32_t[]){0, 2, 4, 5}, .line_count = 3, .levels = levels};
+    check_text(&result, GD_RESULT_OBJ,
+               "v 0 0 0\nv 0.5 0.5 0\nv 1 1 0\nv 0 0 0\nv 3 4 0\ng level_0.1\nl 1 2\nl 3 4\ng level_2\n");
+    check_text(&result, GD_RESULT_CSV,
+               "line,point,x,y,z,along,level\r\n0,0,0,0,0,0,0.1\r\n0,1,0.5,0.5,0,0.7071067811865476,0.1\r\n"
+               "1,0,1,1,0,0,0.1\r\n1,1,0,0,0,1.4142135623730951,0.1\r\n2,0,3,4,0,0,2\r\n");
+    size_t size;
+    char *bytes = written(&result, GD_RESULT_GLB, &size);
+    static const char last[] = "{\"attributes\":{\"POSITION\":2},\"mode\":3,\"material\":1,\"extras\":{\"level\":2}}";
+    assert_non_null(memmem(bytes, size, last, sizeof last - 1));
+    free(bytes);
+}
+
 /* The distance is a property that readers of meshes pass over, and the last eight bytes of each vertex. */
 static void writes_distances_into_ply(void **state)
 {
@@ -190,6 +209,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(writes_rows),
         cmocka_unit_test(writes_lines),
+        cmocka_unit_test(tells_levels),
         cmocka_unit_test(writes_distances_into_ply),
         cmocka_unit_test(writes_colours_into_glb),
         cmocka_unit_test(writes_meshes_beside_lines),
