@@ -26,46 +26,37 @@ struct reals {
     uint32_t count;
 };
 
-/* The member if it is there and an array; NULL: it is not there (fine), or no array (false). */
-static bool find_array(const json_t *document, const char *member, const json_t **out, struct proto_problem *problem)
+/* Room for a member's numbers, of `size` bytes each, and one more; *items is NULL where the member is not there. */
+static bool make_room(const json_t *document, const char *member, size_t size, void **items, uint32_t *count,
+                      struct proto_problem *problem)
 {
-    const json_t *value = json_object_get(document, member);
-    *out = value;
-    if (!value || (json_is_array(value) && json_array_size(value) < MOST_INDICES)) return true;
-    proto_problem_refuse(problem, "", "expected an array of numbers");
-    return proto_problem_descend(problem, member);
+    const json_t *array = json_object_get(document, member);
+    *items = NULL;
+    if (!array) return true;
+    if (!json_is_array(array) || json_array_size(array) >= MOST_INDICES) {
+        proto_problem_refuse(problem, "", "expected an array of numbers");
+        return proto_problem_descend(problem, member);
+    }
+    *count = (uint32_t)json_array_size(array);
+    *items = malloc((*count + (size_t)1) * size);
+    return *items || proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
+/* What has been read of it is the caller's, who frees it, also where something is wrong. */
 static bool read_indices(const json_t *document, const char *member, struct indices *out, struct proto_problem *problem)
 {
-    const json_t *array;
-    if (!find_array(document, member, &array, problem)) return false;
-    if (!array) return true;
-    uint32_t count = (uint32_t)json_array_size(array);
-    uint32_t *items = malloc((count + (size_t)1) * sizeof *items);
-    if (!items) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    if (!proto_decode_indices(document, "", member, count, items, problem)) {
-        free(items);
-        return false;
-    }
-    *out = (struct indices){items, count};
-    return true;
+    void *items;
+    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem)) return false;
+    out->items = items;
+    return !items || proto_decode_indices(document, "", member, out->count, out->items, problem);
 }
 
 static bool read_reals(const json_t *document, const char *member, struct reals *out, struct proto_problem *problem)
 {
-    const json_t *array;
-    if (!find_array(document, member, &array, problem)) return false;
-    if (!array) return true;
-    uint32_t count = (uint32_t)json_array_size(array);
-    double *items = malloc((count + (size_t)1) * sizeof *items);
-    if (!items) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    if (!proto_decode_numbers(document, "", member, count, items, problem)) {
-        free(items);
-        return false;
-    }
-    *out = (struct reals){items, count};
-    return true;
+    void *items;
+    if (!make_room(document, member, sizeof *out->items, &items, &out->count, problem)) return false;
+    out->items = items;
+    return !items || proto_decode_numbers(document, "", member, out->count, out->items, problem);
 }
 
 /* --- polygons ----------------------------------------------------------------------------------------------------- */

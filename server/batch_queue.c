@@ -30,14 +30,17 @@ static void copy_text(char *to, size_t size, const struct server_sql_value *valu
 /* --- batches ------------------------------------------------------------------------------------------------------ */
 
 /* Items first: those without a batch are nobody's. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const char *id, const char *tenant,
-                                                 const void *document, size_t size, const char *etag, int64_t items,
-                                                 int64_t created)
+enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const struct server_batch_order *order)
 {
-    const struct server_sql_value those[] = {server_sql_text(id), server_sql_integer(items)};
-    const struct server_sql_value batch[] = {
-        server_sql_text(id),   server_sql_text(tenant),   server_sql_bytes(document, size),
-        server_sql_text(etag), server_sql_integer(items), server_sql_integer(created)};
+    const struct server_sql_value id = server_sql_text(order->batch->id),
+                                  items = server_sql_integer(order->batch->items);
+    const struct server_sql_value those[] = {id, items};
+    const struct server_sql_value batch[] = {id,
+                                             server_sql_text(order->tenant),
+                                             server_sql_bytes(order->document, order->size),
+                                             server_sql_text(order->etag),
+                                             items,
+                                             server_sql_integer(order->batch->created)};
     enum server_store_outcome outcome =
         sql->run(sql,
                  "WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT number + 1 FROM numbers"

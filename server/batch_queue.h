@@ -33,10 +33,17 @@ struct server_batch {
     int64_t done, failed; /* items that have an answer; those whose answer is a problem */
 };
 
-/* Adds a batch with that many items; `etag` of the mesh that all items are about, "": of several. */
-enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const char *id, const char *tenant,
-                                                 const void *document, size_t size, const char *etag, int64_t items,
-                                                 int64_t created);
+/* A batch that begins: nothing of it is done. All borrowed. */
+struct server_batch_order {
+    const struct server_batch *batch; /* its name, items and time */
+    const char *tenant;
+    const void *document; /* as it was sent */
+    size_t size;
+    const char *etag; /* of the mesh that all items are about, "": of several */
+};
+
+/* Adds a batch. Once: the second time changes nothing. */
+enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const struct server_batch_order *order);
 
 /* How many batches the tenant has. */
 enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant, int64_t *count);

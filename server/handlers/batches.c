@@ -136,9 +136,8 @@ static void add_batch(struct server_exchange *exchange, const struct proto_many 
     struct server_store_sql *sql = open_queue(exchange);
     if (!sql || !fix_version(exchange, many, etag) || !has_room(exchange, sql)) return;
     name_batch(&batch);
-    if (!check(exchange, server_batch_queue_add(sql, batch.id, exchange->tenant, exchange->body.bytes,
-                                                exchange->body.size, etag, batch.items, batch.created)))
-        return;
+    const struct server_batch_order order = {&batch, exchange->tenant, exchange->body.bytes, exchange->body.size, etag};
+    if (!check(exchange, server_batch_queue_add(sql, &order))) return;
     server_batches_wake(exchange->server->batches);
     server_reply_header(exchange, "Location", "/v1/batches/%s", batch.id);
     reply_batch(exchange, 201, &batch);

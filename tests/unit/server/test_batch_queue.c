@@ -49,9 +49,11 @@ static struct server_store_sql *sql_of(void **state)
 
 static void add(struct server_store_sql *sql, const char *id, const char *tenant, int64_t items)
 {
+    struct server_batch batch = {.items = items, .created = 1763730000};
+    snprintf(batch.id, sizeof batch.id, "%s", id);
+    const struct server_batch_order order = {&batch, tenant, "{\"a\":\0}", 7, "tag"};
     for (int i = 0; i < 2; i++) /* as if the answer of the first had been lost */
-        assert_int_equal(server_batch_queue_add(sql, id, tenant, "{\"a\":\0}", 7, "tag", items, 1763730000),
-                         SERVER_STORE_DONE);
+        assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
 }
 
 static struct server_batch_claim claim(struct server_store_sql *sql, const char *node)
