@@ -236,4 +236,7 @@
  * segments' windows are as short but for its square. A place so near to the line across a joint is its own, too. */
 #define GD_TOL_ONWARD 1e-10
 
+/* And by how much the foot of its perpendicular is rounded, over the lengths of its face's sides. */
+#define GD_TOL_ONWARD_ROUNDING 2e-15
+
 #endif

@@ -27,11 +27,13 @@ static void seed_side(struct gd__wavefront *front, uint32_t side, const struct g
     gd__wavefront_offer(front, &to, window);
 }
 
-/* Sends the seed's window out of its face across a part of `side` (a side of that face). */
+/* Sends the seed's window out of its face across a part of `side` (a side of that face). A seed that lies almost on the side sees all of it, as the
+ * ends of a part would not tell the angle. */
 static void seed_across(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at,
                         struct gd__part part)
 {
     double length = front->mesh->side[side].length;
+    if (at.y <= GD_TOL_CAP * length) part = (struct gd__part){0, 1};
     if (part.to - part.from <= GD_TOL_WIDTH || gd__window_grazes(length - at.x, at.y, length)) return;
     struct gd__window window = {.b0 = part.to < 1 ? length * (1 - part.to) : 0,
                                 .b1 = part.from > 0 ? length * (1 - part.from) : length,
@@ -183,7 +185,7 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
     const struct gd_side *s = &front->mesh->side[side];
     struct gd__local apex = {s->left_length * s->left_x, s->left_length * s->left_y};
     double foot = gd__chord_foot(chord, apex), height = gd__chord_height(chord, apex), left = copysign(1, height);
-    double beside = GD_TOL_ONWARD * fabs(height);
+    double beside = GD_TOL_ONWARD * fabs(height) + GD_TOL_ONWARD_ROUNDING * (s->length + s->left_length);
     bool is_seen = (foot > -beside) & (foot < chord->length + beside) & (height != 0);
     if (!is_seen || is_end(front, seed, gd__side_apex(front->mesh, side))) return;
     struct gd__birth birth = {

@@ -8,7 +8,7 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-enum { CORNERS_MOST = 400, PLACES = 60 };
+enum { CORNERS_MOST = 400, PLACES = 60, TURNS = 60 };
 
 /* A regular polygon in the plane, by its corners on the mesh. */
 struct ring {
@@ -147,8 +147,77 @@ static void rings_of_points(void **state)
     check_rings(&points);
 }
 
+/* --- straight on, past a vertex ------------------------------------------------------------------------------------------ */
+
+/* A square of 8 x 8 cells, turned about its middle. */
+static void open_turned_square(double angle)
+{
+    check_ok(sample_grid(8, 8, 8, 8, &polygons), NULL);
+    for (uint32_t i = 0; i < polygons.position_count; i++) {
+        double x = polygons.positions[i][0] - 4, y = polygons.positions[i][1] - 4;
+        polygons.positions[i][0] = cos(angle) * x - sin(angle) * y;
+        polygons.positions[i][1] = sin(angle) * x + cos(angle) * y;
+    }
+    mesh = test_mesh(&polygons);
+}
+
+/* A line in that direction, so far to the left of the middle vertex; it may bend by what paths are rounded by. */
+static struct gd_curve line_beside(double angle, double apart)
+{
+    struct gd_point ends[2];
+    for (int i = 0; i < 2; i++) {
+        double along = i ? 3.3 : -3.5;
+        ends[i] =
+            test_point_near(mesh, along * cos(angle) - apart * sin(angle), along * sin(angle) + apart * cos(angle), 0);
+    }
+    struct gd_curve_request request = {.kind = GD_CURVE_POINTS, .points = ends, .count = 2};
+    struct gd_curve curve;
+    check_ok(gd_curve_resolve(mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    return curve;
+}
+
+static double to_curve(const struct gd_curve *curve, struct gd_vec3 p)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i + 1 < curve->count; i++)
+        least = fmin(least, to_segment(p, gd_point_position(mesh, &curve->points[i]),
+                                       gd_point_position(mesh, &curve->points[i + 1])));
+    return least;
+}
+
+/* The worst error at vertices. */
+static double check_beside(double angle, double apart)
+{
+    double worst = 0;
+    struct gd_curve curve = line_beside(angle, apart);
+    struct gd_field *field = test_field_of_curve(mesh, &curve, 0);
+    for (uint32_t i = 0; i < polygons.position_count; i++) {
+        struct gd_point vertex = test_vertex(mesh, i);
+        worst = fmax(worst, check_at(field, &vertex, to_curve(&curve, gd_point_position(mesh, &vertex))));
+    }
+    gd_field_release(field);
+    gd_curve_free(&curve);
+    return worst;
+}
+
+/* A joint that a curve goes straight through does nothing itself: the corners right beside it are its segments', however near they are. */
+static void lines_beside_vertices(void **state)
+{
+    (void)state;
+    double worst = 0;
+    for (int turn = 0; turn < TURNS; turn++) {
+        double angle = 0.1 * turn;
+        open_turned_square(angle);
+        for (double apart = 0.4; fabs(apart) > 1e-15; apart /= -7.1)
+            worst = fmax(worst, check_beside(angle + turn % 4 * M_PI / 4, apart));
+        close_square();
+    }
+    print_message("# distances off by %.1e at most\n", worst);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rings_of_segments), cmocka_unit_test(rings_of_points)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(rings_of_segments), cmocka_unit_test(rings_of_points),
+                                       cmocka_unit_test(lines_beside_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
