@@ -112,8 +112,7 @@ static enum gd_status append_point(const struct gd_field *field, uint32_t seed, 
 static struct gd__source source_of_chord(const struct gd__chord *chord, int left, double offset)
 {
     struct gd__local u = {left * chord->along.x, left * chord->along.y};
-    struct gd__local ends[2] = {
-        chord->from, {chord->from.x + chord->length * chord->along.x, chord->from.y + chord->length * chord->along.y}};
+    struct gd__local ends[2] = {chord->from, chord->to};
     struct gd__source source = {.left = u,
                                 .right = {-u.x, -u.y},
                                 .left_at = ends[left < 0],

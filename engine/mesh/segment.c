@@ -91,6 +91,7 @@ static struct gd__chord chord_in_frame(const struct gd_mesh *mesh, uint32_t face
     struct gd__local span = gd__side_local(side, to[l] - from[l], to[m] - from[m]);
     double length = sqrt(span.x * span.x + span.y * span.y), inverse = 1 / length;
     return (struct gd__chord){.from = gd__side_local(side, from[l], from[m]),
+                              .to = gd__side_local(side, to[l], to[m]),
                               .along = {span.x * inverse, span.y * inverse},
                               .length = length};
 }

@@ -26,7 +26,7 @@ double gd__edge_parameter(const struct gd_mesh *mesh, uint32_t edge, const struc
 
 /* A segment across a face, laid into the frame of side k of it. */
 struct gd__chord {
-    struct gd__local from, along; /* along: of unit length */
+    struct gd__local from, to, along; /* along: of unit length */
     double length;
 };
 struct gd__chord gd__chord(const struct gd_mesh *mesh, uint32_t face, int k, const struct gd_point *a,

@@ -158,7 +158,7 @@ static void seed_strip_across(struct gd__wavefront *front, uint32_t seed, uint32
     double length = front->mesh->side[side].length, away = fabs(chord->along.x);
     if (away <= GD_TOL_GRAZING) return;
     double inverse = 1 / chord->along.x, slope = chord->along.y * inverse, turned = copysign(1, chord->along.x);
-    double from = length - (chord->from.x + chord->from.y * slope), to = from - chord->length * inverse,
+    double from = length - (chord->from.x + chord->from.y * slope), to = length - (chord->to.x + chord->to.y * slope),
            b0 = from < to ? from : to, b1 = from < to ? to : from;
     struct gd__window w = {.b0 = b0 > 0 ? b0 : 0,
                            .b1 = b1 < length ? b1 : length,

@@ -55,6 +55,13 @@ static double half_tangent(double x, double y)
     return x > 0 ? y / (1 + x) : (1 - x) / y;
 }
 
+/* Whether anything is left of a linear window when its ends are rounded inwards. */
+static bool has_inside(const struct writer *writer, const struct gd__window *w)
+{
+    double units = GD__WEDGE_UNITS / writer->length;
+    return ceil(w->b0 * units) < floor(w->b1 * units);
+}
+
 static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count, bool mirrored)
 {
     double length = writer->length;
@@ -62,6 +69,7 @@ static void put_all(struct writer *writer, const struct gd__windows *windows, ui
         struct gd__window w = gd__windows_get(windows, mirrored ? count - 1 - i : i);
         if (mirrored) w = gd__window_mirrored(&w, length);
         bool linear = gd__window_is_linear(&w);
+        if (linear && !has_inside(writer, &w)) continue;
         double x = linear ? w.sigma : w.x, y = linear ? half_tangent(w.x, w.y) : w.y;
         put_gap(writer, w.b0, linear);
         put(writer, writer->count ? w.b0 : 0, x, mirrored ? y : -y, w.source);
