@@ -11,6 +11,10 @@
  * which is at most GD_TOL_WIDTH / GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13
 
+/* ... and where several seeds are put together only a part as narrow as rounding makes them: to a seed beside the edge, whose view others end there, it may
+ * be half of what it sees. */
+#define GD_TOL_NARROW 1e-15
+
 /* A face whose height over its longest edge is less than this part of that edge is refused as degenerate: a source in its corner lies so close
  * to the edge that parameters along the edge no longer tell the angle at which it is seen. */
 #define GD_TOL_FLAT 1e-7
@@ -63,6 +67,10 @@
 
 /* Barycentric coordinates and edge parameters this close to the border are on it: the rounding of their own sum. */
 #define GD_TOL_ON_BORDER 4e-15
+
+/* A curve's corner this close to the border is put there. What it sees ends right beside its foot on the edge, where the ends of windows are places on
+ * the edge: from nearer by they would not tell the angle well enough for distances to be right to 1e-9. */
+#define GD_TOL_CORNER 4e-12
 
 /* How far a caller's barycentrics may be from summing to one, or t from [0,1], before they are an error and not rounding. */
 #define GD_TOL_INPUT 1e-9

@@ -12,4 +12,7 @@ struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, dou
 /* `weight` >= 0, of sum 1 up to rounding, by the corners of the face inside (face_side). */
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3]);
 
+/* The point, or, where barycentric coordinates or an edge's parameter are within `border` of there, the one beside it on an edge or a vertex. */
+struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point, double border);
+
 #endif

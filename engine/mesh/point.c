@@ -11,26 +11,43 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
 }
 
+static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double border)
+{
+    if (t <= border) return gd__point_of_vertex(mesh->origin[2 * edge]);
+    if (t >= 1 - border) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
+    return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
+}
+
+static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3], double border)
+{
+    const uint32_t *side = mesh->face_side[face];
+    for (int k = 0; k < 3; k++) {
+        if (weight[k] >= 1 - 2 * border) return gd__point_of_vertex(mesh->origin[side[k]]);
+    }
+    for (int k = 0; k < 3; k++) {
+        if (weight[k] > border) continue;
+        /* on the side opposite to corner k: its parameter is the weight of the end of side 0 */
+        uint32_t h = side[(k + 1) % 3];
+        return of_edge(mesh, h / 2, weight[(k + (h % 2 ? 1 : 2)) % 3], border);
+    }
+    return (struct gd_point){.kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
+}
+
 struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
-    if (t <= GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[2 * edge]);
-    if (t >= 1 - GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
-    return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
+    return of_edge(mesh, edge, t, GD_TOL_ON_BORDER);
 }
 
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3])
 {
-    const uint32_t *side = mesh->face_side[face];
-    for (int k = 0; k < 3; k++) {
-        if (weight[k] >= 1 - 2 * GD_TOL_ON_BORDER) return gd__point_of_vertex(mesh->origin[side[k]]);
-    }
-    for (int k = 0; k < 3; k++) {
-        if (weight[k] > GD_TOL_ON_BORDER) continue;
-        /* on the side opposite to corner k: its parameter is the weight of the end of side 0 */
-        uint32_t h = side[(k + 1) % 3];
-        return gd__point_of_edge(mesh, h / 2, weight[(k + (h % 2 ? 1 : 2)) % 3]);
-    }
-    return (struct gd_point){.kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
+    return of_face(mesh, face, weight, GD_TOL_ON_BORDER);
+}
+
+struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point, double border)
+{
+    if (point->kind == GD_POINT_EDGE) return of_edge(mesh, point->element, point->weight[0], border);
+    if (point->kind == GD_POINT_FACE) return of_face(mesh, point->element, point->weight, border);
+    return *point;
 }
 
 static enum gd_status find_vertex(const struct gd_mesh *mesh, struct gd_vertex vertex, uint32_t *out,

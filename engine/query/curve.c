@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "base/share.h"
+#include "base/tolerance.h"
 #include "gd/query.h"
 #include "mesh/canonical.h"
 #include "mesh/topology.h"
@@ -69,14 +70,21 @@ static enum gd_status add(struct drawing *drawing, const struct gd_point *point)
 
 /* --- by points ---------------------------------------------------------------------------------------------------- */
 
+/* The i-th point, where what it sees can be told: see GD_TOL_CORNER. */
+static struct gd_point corner(const struct drawing *drawing, uint32_t i)
+{
+    return gd__point_settled(drawing->mesh, &drawing->request->points[i], GD_TOL_CORNER);
+}
+
 /* The shortest path from the i-th point to the j-th one. */
 static enum gd_status join(struct drawing *drawing, uint32_t i, uint32_t j, const struct gd_landmarks *landmarks,
                            const struct gd_control *control)
 {
-    const struct gd_point *from = &drawing->request->points[i], *to = &drawing->request->points[j];
-    if (gd__common_face(drawing->mesh, from, to) != GD_NONE) return add(drawing, to);
+    const struct gd_point from = corner(drawing, i), to = corner(drawing, j);
+    if (gd__common_face(drawing->mesh, &from, &to) != GD_NONE) return add(drawing, &to);
     struct gd_pair_answer answer;
-    enum gd_status status = gd_pair_solve(drawing->mesh, from, to, true, landmarks, control, &answer, drawing->detail);
+    enum gd_status status =
+        gd_pair_solve(drawing->mesh, &from, &to, true, landmarks, control, &answer, drawing->detail);
     if (status) return status;
     if (!answer.path.count)
         status = gd_fail(drawing->detail, GD_INVALID_ARGUMENT,
@@ -91,7 +99,8 @@ static enum gd_status draw_points(struct drawing *drawing, const struct gd_landm
     const struct gd_curve_request *request = drawing->request;
     uint32_t joints = request->closed ? request->count : request->count - 1;
     struct gd__share share = {.control = drawing->control, .total = joints};
-    enum gd_status status = add(drawing, &request->points[0]);
+    const struct gd_point first = corner(drawing, 0);
+    enum gd_status status = add(drawing, &first);
     for (uint32_t i = 0; i < joints && !status; i++) {
         const struct gd_control own = gd__share_control(&share, held(drawing));
         status = join(drawing, i, (i + 1) % request->count, landmarks, &own);

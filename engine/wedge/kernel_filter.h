@@ -11,15 +11,16 @@ static uint32_t close_ranks(const struct gd__windows *w, uint32_t from, uint32_t
     return to + (uint32_t)__builtin_popcount(bits(keep));
 }
 
-/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside. */
+/* Trims windows at places [i, i + LANES) where the way round an end becomes shorter inside: as far from it as a source right beside it is, so nothing that
+ * is squared may cancel. */
 static void trim(const struct gd__windows *w, uint32_t i, mask first, mask last, double length, lanes c0, lanes c1)
 {
     lanes b0 = load(w->b0 + i), b1 = load(w->b1 + i), x = load(w->x + i), y = load(w->y + i);
-    lanes square = x * x + y * y, two = all(2), c = c1 + all(length);
-    lanes t = (square - c0 * c0) / (two * (c0 + x));
+    lanes half = all(0.5), back = all(length) - x, c = c1 + all(length), y2 = y * y;
+    lanes t = half * ((x - c0) + y2 / (x + c0));
     if (WITH_LINEAR) t = pick(linear_of(ids_load(w->source + i)), (all(0) - c0) / (all(1) + x), t);
     b0 = pick(both(first, both(gt(t, b0), lt(t, b1))), t, b0);
-    t = (c * c - square) / (two * (c - x));
+    t = half * ((c + x) - y2 / (c1 + back));
     if (WITH_LINEAR) t = pick(linear_of(ids_load(w->source + i)), c / (all(1) - x), t);
     b1 = pick(both(last, both(lt(t, b1), gt(t, b0))), t, b1);
     store(w->b0 + i, b0);

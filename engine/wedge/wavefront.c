@@ -164,7 +164,7 @@ static inline __attribute__((always_inline)) void deliver(struct gd__wavefront *
     list->touched = true;
     if (!list->count || to->falls < list->falls) list->falls = to->falls;
     front->status =
-        gd__list_insert(list, &front->work->pool, children, GD_TOL_WIDTH * to->length, &front->work->scratch);
+        gd__list_insert(list, &front->work->pool, children, front->narrowest * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
 }
 
@@ -240,6 +240,7 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__
     front->kernel = has_segments(front) ? gd__kernel_in_use_linear() : gd__kernel_in_use();
     front->work->scratch.apart = front->methods.no_coalescing;
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
+    front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
     aim(front, propagation->target);
     return status;

@@ -89,7 +89,8 @@ struct gd__wavefront {
     uint32_t falls; /* how often a distance fell with which windows are on their way already */
 
     struct gd__guide *guide;
-    double bound; /* nothing farther is wanted; shrinks towards the target's distance */
+    double narrowest; /* parts of lists that are no wider, over their edge, are dropped when lists are put together */
+    double bound;     /* nothing farther is wanted; shrinks towards the target's distance */
     double
         inner; /* resume.c, while it looks for what a bound kept back: what surely was within that bound is not wanted again; 0: all is wanted */
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */

@@ -23,15 +23,28 @@ struct gd__window gd__wedge_window(struct gd__wedges wedges, uint32_t count, uin
 struct writer {
     struct gd__wedges to; /* x is NULL: count */
     uint32_t count;
-    double length, end; /* where the last window ended */
-    bool linear;        /* it was one such */
+    double length, units; /* of starts, in a unit of length */
+    double end;           /* where the last window ended */
+    bool linear;          /* it was one such */
 };
+
+/* To whole numbers, of numbers that are not negative but by rounding. */
+static double down(double number)
+{
+    return number > 0 ? (double)(uint64_t)number : 0;
+}
+
+static double up(double number)
+{
+    double below = down(number);
+    return below + (number > below);
+}
 
 static void put(struct writer *writer, double b0, double x, double y, uint32_t source)
 {
     if (writer->to.x) {
-        double start = b0 / writer->length * GD__WEDGE_UNITS;
-        if (source != GD_NONE && gd__source_is_linear(source)) start = ceil(start);
+        double start = b0 * writer->units;
+        if (source != GD_NONE && gd__source_is_linear(source)) start = up(start);
         start = start > 0 ? start < GD__WEDGE_LATEST ? start : GD__WEDGE_LATEST : 0;
         writer->to.x[writer->count] = x;
         writer->to.y[writer->count] = y;
@@ -58,8 +71,7 @@ static double half_tangent(double x, double y)
 /* Whether anything is left of a linear window when its ends are rounded inwards. */
 static bool has_inside(const struct writer *writer, const struct gd__window *w)
 {
-    double units = GD__WEDGE_UNITS / writer->length;
-    return ceil(w->b0 * units) < floor(w->b1 * units);
+    return up(w->b0 * writer->units) < down(w->b1 * writer->units);
 }
 
 static void put_all(struct writer *writer, const struct gd__windows *windows, uint32_t count, bool mirrored)
@@ -80,10 +92,11 @@ static void put_all(struct writer *writer, const struct gd__windows *windows, ui
 
 uint32_t gd__wedges_write(const struct gd__windows *windows, uint32_t count, double length, bool mirrored, double *data)
 {
-    struct writer counter = {.length = length};
+    const double units = GD__WEDGE_UNITS / length;
+    struct writer counter = {.length = length, .units = units};
     put_all(&counter, windows, count, mirrored);
     uint32_t total = counter.count;
-    struct writer writer = {.to = gd__wedges_at(data, total), .length = length};
+    struct writer writer = {.to = gd__wedges_at(data, total), .length = length, .units = units};
     put_all(&writer, windows, count, mirrored);
     return total;
 }

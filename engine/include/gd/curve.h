@@ -42,8 +42,9 @@ struct gd_curve_request {
     uint32_t boundary; /* as for gd_mesh_boundary */
 };
 
-/* The curve of a request, owned by the caller. Points that repeat the one before them are left out; a closed curve
- * of two points runs there and back. `landmarks` of this mesh narrow the searches, NULL: none. Errors:
+/* The curve of a request, owned by the caller. Points that repeat the one before them are left out, and points within
+ * 4e-12 of an edge or a vertex, as barycentric coordinates go, are put there; a closed curve of two points runs there
+ * and back. `landmarks` of this mesh narrow the searches, NULL: none. Errors:
  * GD_INVALID_ARGUMENT (none given, or points that no path joins), GD_OUT_OF_RANGE, GD_UNREFERENCED_VERTEX,
  * GD_NO_SUCH_EDGE, GD_NO_MEMORY, GD_BUDGET, GD_CANCELLED, GD_DEADLINE, and what gd_pair_solve says. Cost: of
  * gd_pair_solve for each pair of points; else linear in the curve. Thread-safe. */
