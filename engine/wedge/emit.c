@@ -100,13 +100,15 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The vertex is a seed, and none comes nearer to it. */
+/* The vertex is a seed, or one lies right beside it, and none comes nearer to it. */
 static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
 {
+    const struct gd_mesh *mesh = front->mesh;
     const struct gd__birth *birth = gd__wavefront_birth(front, vertex);
-    uint32_t vertices = front->mesh->vertex_count;
-    return birth->source >= vertices && birth->source != GD_NONE && birth->side == GD_NONE &&
-           front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
+    if (birth->source < mesh->vertex_count || gd__source_is_linear(birth->source)) return false; /* GD_NONE is, too */
+    const struct gd__seed *seed = &front->seeds[birth->source - mesh->vertex_count];
+    double length = mesh->side[mesh->fan[mesh->fan_first[vertex]].side].length;
+    return seed->point.kind == GD_POINT_VERTEX || front->distance[vertex] - seed->offset <= GD_TOL_CORNER * length;
 }
 
 static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
