@@ -100,24 +100,23 @@ static void reach_all_neighbours(struct gd__wavefront *front, uint32_t vertex)
     }
 }
 
-/* The vertex is a seed, or one lies right beside it, and none comes nearer to it. */
+/* The vertex is a seed, and none comes nearer to it. */
 static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
 {
-    const struct gd_mesh *mesh = front->mesh;
     const struct gd__birth *birth = gd__wavefront_birth(front, vertex);
-    if (birth->source < mesh->vertex_count || gd__source_is_linear(birth->source)) return false; /* GD_NONE is, too */
-    const struct gd__seed *seed = &front->seeds[birth->source - mesh->vertex_count];
-    double length = mesh->side[mesh->fan[mesh->fan_first[vertex]].side].length;
-    return seed->point.kind == GD_POINT_VERTEX || front->distance[vertex] - seed->offset <= GD_TOL_CORNER * length;
+    uint32_t vertices = front->mesh->vertex_count;
+    return birth->source >= vertices && birth->source != GD_NONE && birth->side == GD_NONE &&
+           front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
 }
 
-static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+static void emit_vertex(struct gd__wavefront *front, uint32_t vertex, bool all_round)
 {
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
     *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
     front->effort.vertices_emitted++;
-    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY, is_seed = is_seed_vertex(front, vertex);
+    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY,
+         is_seed = all_round || is_seed_vertex(front, vertex);
     if (boundary || is_seed) reach_all_neighbours(front, vertex);
     if (is_seed || front->methods.no_cone) {
         emit_cone(front, vertex, 0, total);
@@ -134,16 +133,26 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 }
 
 /* The other wavefront of a domain emits from common vertices itself. Of the others it has to know the distance, as windows of theirs may come to it. */
-void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+static void emit_in_domain(struct gd__wavefront *front, uint32_t vertex, bool all_round)
 {
     struct gd__domain *domain = front->domain;
     if (!domain) {
-        emit_vertex(front, vertex);
+        emit_vertex(front, vertex, all_round);
         return;
     }
     if (!gd__domain_has_vertex(domain, vertex)) return;
     domain->is_common = gd__domain_shares_vertex(domain, vertex);
     if (!domain->is_common) gd__wavefront_tell(front, vertex);
-    if (!front->status) emit_vertex(front, vertex);
+    if (!front->status) emit_vertex(front, vertex, all_round);
     domain->is_common = false;
+}
+
+void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
+{
+    emit_in_domain(front, vertex, false);
+}
+
+void gd__emit_all_round(struct gd__wavefront *front, uint32_t vertex)
+{
+    emit_in_domain(front, vertex, true);
 }

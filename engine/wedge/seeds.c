@@ -62,13 +62,13 @@ static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
 }
 
 /* A seed so close to the origin of `side`: the rays past it on its two sides do not meet behind it but for rounding, which leaves a sector that nobody
- * sees. The vertex sends its own windows there, which are too long by less than twice that little. */
+ * sees. The vertex sends its own windows: in that sector they are no longer, as the way there is as good as straight. */
 static void seed_beside_vertex(struct gd__wavefront *front, uint32_t seed, uint32_t side, double distance)
 {
     uint32_t vertex = front->mesh->origin[side], source = front->mesh->vertex_count + seed;
-    if (distance > GD_TOL_CORNER * front->mesh->side[side].length || front->status) return;
+    if (distance > GD_TOL_BESIDE_VERTEX * front->mesh->side[side].length || front->status) return;
     bool is_reached = front->distance[vertex] < GD__FAR;
-    if (is_reached && gd__wavefront_birth(front, vertex)->source == source) gd__emit_vertex(front, vertex);
+    if (is_reached && gd__wavefront_birth(front, vertex)->source == source) gd__emit_all_round(front, vertex);
 }
 
 static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)

@@ -1,0 +1,148 @@
+/* Sources and curves whose points lie right beside edges and vertices of a plane, nearer than windows can tell, and places asked at that do, too: each
+ * distance is Euclid's, and each path leads there. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "gd/vec.h"
+#include "tests/samples/samples.h"
+#include "tests/support/field.h"
+
+enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40 };
+
+/* Of a square of 8 x 8 cells: of a part of the scenes, vertices inside of it lie anywhere in their cells. */
+struct plane {
+    struct gd_polygons polygons;
+    struct gd_mesh *mesh;
+};
+
+static struct plane open_plane(int scene, struct rng *rng)
+{
+    struct plane plane;
+    double angle = 0.0137 * scene, jitter = scene % 3 * 0.2;
+    check_ok(sample_grid(8, 8, 8, 8, &plane.polygons), NULL);
+    for (uint32_t i = 0; i < plane.polygons.position_count; i++) {
+        double *p = plane.polygons.positions[i], x = p[0] - 4, y = p[1] - 4;
+        if (hypot(x, y) < 3.5) {
+            x += jitter * (rng_unit(rng) - 0.5);
+            y += jitter * (rng_unit(rng) - 0.5);
+        }
+        p[0] = cos(angle) * x - sin(angle) * y;
+        p[1] = sin(angle) * x + cos(angle) * y;
+    }
+    plane.mesh = test_mesh(&plane.polygons);
+    return plane;
+}
+
+static void close_plane(struct plane *plane)
+{
+    gd_mesh_release(plane->mesh);
+    gd_polygons_free(&plane->polygons);
+}
+
+/* Some 1 to 1e-16 away from a vertex or an edge. */
+static struct gd_point beside_something(const struct plane *plane, struct rng *rng)
+{
+    uint32_t face = rng_below(rng, plane->polygons.polygon_count), k = rng_below(rng, 3);
+    const double *a = plane->polygons.positions[plane->polygons.corners[3 * face + k]],
+                 *b = plane->polygons.positions[plane->polygons.corners[3 * face + (k + 1) % 3]];
+    double t = rng_below(rng, 3) ? rng_unit(rng) : 0, apart = pow(10, -16 * rng_unit(rng)),
+           angle = 2 * M_PI * rng_unit(rng);
+    return test_point_near(plane->mesh, a[0] + t * (b[0] - a[0]) + apart * cos(angle),
+                           a[1] + t * (b[1] - a[1]) + apart * sin(angle), 0);
+}
+
+static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
+{
+    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
+    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
+    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
+}
+
+/* The distance of a place from seeds: points, or segments. */
+static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, struct gd_vec3 p)
+{
+    double least = INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        struct gd_vec3 a = gd_point_position(mesh, &seeds[i].point);
+        least = fmin(least, seeds[i].is_segment ? to_segment(p, a, gd_point_position(mesh, &seeds[i].end))
+                                                : gd_vec3_distance(p, a));
+    }
+    return least;
+}
+
+/* The worst error of distances and lengths at all vertices and some places. */
+static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count, struct rng *rng)
+{
+    struct gd_field *field = test_field(plane->mesh, seeds, count, 0);
+    double worst = 0;
+    for (uint32_t i = 0; i < plane->polygons.position_count + PLACES; i++) {
+        struct gd_point point =
+            i < plane->polygons.position_count ? test_vertex(plane->mesh, i) : beside_something(plane, rng);
+        double expected = to_seeds(plane->mesh, seeds, count, gd_point_position(plane->mesh, &point));
+        struct gd_path path;
+        check_ok(gd_field_path(field, &point, &path), NULL);
+        double error = fmax(fabs(test_distance(field, &point) - expected), fabs(path.length - expected));
+        assert_true(error <= 1e-9 * expected + 1e-10);
+        worst = fmax(worst, error);
+        gd_path_free(&path);
+    }
+    gd_field_release(field);
+    return worst;
+}
+
+static void points_beside_something(void **state)
+{
+    (void)state;
+    struct rng rng = {5};
+    double worst = 0;
+    for (int scene = 0; scene < SCENES; scene++) {
+        struct plane plane = open_plane(scene, &rng);
+        struct gd_seed seeds[POINTS_MOST] = {0};
+        uint32_t count = 1 + rng_below(&rng, POINTS_MOST);
+        for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(&plane, &rng);
+        worst = fmax(worst, check_field(&plane, seeds, count, &rng));
+        close_plane(&plane);
+    }
+    print_message("# %d fields of points: off by %.1e at most\n", SCENES, worst);
+}
+
+static double check_curve(const struct plane *plane, struct rng *rng)
+{
+    struct gd_point points[POINTS_MOST];
+    uint32_t count = 2 + rng_below(rng, POINTS_MOST - 1);
+    for (uint32_t i = 0; i < count; i++) points[i] = beside_something(plane, rng);
+    struct gd_curve_request request = {
+        .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = count > 2 && rng_below(rng, 2)};
+    struct gd_curve curve;
+    check_ok(gd_curve_resolve(plane->mesh, &request, NULL, NULL, &curve, NULL), NULL);
+    uint32_t seed_count = gd_curve_seed_count(&curve);
+    struct gd_seed *seeds = malloc(seed_count * sizeof *seeds);
+    assert_non_null(seeds);
+    gd_curve_seeds(&curve, 0, seeds);
+    double worst = check_field(plane, seeds, seed_count, rng);
+    free(seeds);
+    gd_curve_free(&curve);
+    return worst;
+}
+
+static void curves_beside_something(void **state)
+{
+    (void)state;
+    struct rng rng = {6};
+    double worst = 0;
+    for (int scene = 0; scene < SCENES; scene++) {
+        struct plane plane = open_plane(scene, &rng);
+        worst = fmax(worst, check_curve(&plane, &rng));
+        close_plane(&plane);
+    }
+    print_message("# %d fields of curves: off by %.1e at most\n", SCENES, worst);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(points_beside_something),
+                                       cmocka_unit_test(curves_beside_something)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
