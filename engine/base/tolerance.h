@@ -72,9 +72,6 @@
  * the edge: from nearer by they would not tell the angle well enough for distances to be right to 1e-9. */
 #define GD_TOL_CORNER 4e-12
 
-/* A vertex this close to a seed sends windows of its own, over its edge's length: what rounding leaves unseen behind it is 2e-16 over that. */
-#define GD_TOL_BESIDE_VERTEX 1e-6
-
 /* How far a caller's barycentrics may be from summing to one, or t from [0,1], before they are an error and not rounding. */
 #define GD_TOL_INPUT 1e-9
 

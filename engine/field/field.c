@@ -165,7 +165,9 @@ enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_
                               const struct gd_control *control, const struct gd_executor *executor,
                               struct gd_field **out, struct gd_detail *detail)
 {
-    return build(mesh, request, false, control, executor, out, detail);
+    enum gd_status status = build(mesh, request, false, control, executor, out, detail);
+    if (status != GD_INTERNAL || !executor) return status;
+    return build(mesh, request, false, control, NULL, out, detail); /* what displaced windows of two may leave one's */
 }
 
 enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, const struct gd_field_request *request,

@@ -109,14 +109,13 @@ static bool is_seed_vertex(const struct gd__wavefront *front, uint32_t vertex)
            front->seeds[birth->source - vertices].point.kind == GD_POINT_VERTEX;
 }
 
-static void emit_vertex(struct gd__wavefront *front, uint32_t vertex, bool all_round)
+static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     const struct gd_mesh *mesh = front->mesh;
     double total = mesh->total_angle[vertex];
     *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
     front->effort.vertices_emitted++;
-    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY,
-         is_seed = all_round || is_seed_vertex(front, vertex);
+    bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY, is_seed = is_seed_vertex(front, vertex);
     if (boundary || is_seed) reach_all_neighbours(front, vertex);
     if (is_seed || front->methods.no_cone) {
         emit_cone(front, vertex, 0, total);
@@ -133,26 +132,16 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex, bool all_r
 }
 
 /* The other wavefront of a domain emits from common vertices itself. Of the others it has to know the distance, as windows of theirs may come to it. */
-static void emit_in_domain(struct gd__wavefront *front, uint32_t vertex, bool all_round)
+void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
 {
     struct gd__domain *domain = front->domain;
     if (!domain) {
-        emit_vertex(front, vertex, all_round);
+        emit_vertex(front, vertex);
         return;
     }
     if (!gd__domain_has_vertex(domain, vertex)) return;
     domain->is_common = gd__domain_shares_vertex(domain, vertex);
     if (!domain->is_common) gd__wavefront_tell(front, vertex);
-    if (!front->status) emit_vertex(front, vertex, all_round);
+    if (!front->status) emit_vertex(front, vertex);
     domain->is_common = false;
-}
-
-void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex)
-{
-    emit_in_domain(front, vertex, false);
-}
-
-void gd__emit_all_round(struct gd__wavefront *front, uint32_t vertex)
-{
-    emit_in_domain(front, vertex, true);
 }

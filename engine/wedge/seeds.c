@@ -61,16 +61,6 @@ static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side,
                         front->seeds[seed].offset + sqrt(way.x * way.x + way.y * way.y), birth);
 }
 
-/* A seed so close to the origin of `side`: the rays past it on its two sides do not meet behind it but for rounding, which leaves a sector that nobody
- * sees. The vertex sends its own windows: in that sector they are no longer, as the way there is as good as straight. */
-static void seed_beside_vertex(struct gd__wavefront *front, uint32_t seed, uint32_t side, double distance)
-{
-    uint32_t vertex = front->mesh->origin[side], source = front->mesh->vertex_count + seed;
-    if (distance > GD_TOL_BESIDE_VERTEX * front->mesh->side[side].length || front->status) return;
-    bool is_reached = front->distance[vertex] < GD__FAR;
-    if (is_reached && gd__wavefront_birth(front, vertex)->source == source) gd__emit_all_round(front, vertex);
-}
-
 static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -89,7 +79,6 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
         struct gd__local origin = {-at[k].x, -at[k].y}, destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
         seed_across(front, seed, sides[k], at[k], gd__part_behind(&spread[k], origin, destination));
     }
-    for (int k = 0; k < 3; k++) seed_beside_vertex(front, seed, sides[k], hypot(at[k].x, at[k].y));
 }
 
 /* From a point of an edge across the two other sides of the face of one of its sides. */
@@ -131,8 +120,6 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     seed_corners(front, seed, side ^ 1, length - t, &other);
     seed_half_edge(front, seed, side, t, &spread);
     seed_half_edge(front, seed, side ^ 1, length - t, &other);
-    seed_beside_vertex(front, seed, side, t);
-    seed_beside_vertex(front, seed, side ^ 1, length - t);
 }
 
 /* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */

@@ -214,10 +214,9 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
 /* The same of one window. */
 void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window);
 
-/* seeds.c, emit.c: windows and neighbour distances of the seeds, of a saddle or boundary vertex into its shadow cone, and of any vertex all round. */
+/* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
-void gd__emit_all_round(struct gd__wavefront *front, uint32_t vertex);
 
 /* propagate.c: the windows that wait on a side become wedges and go on across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);

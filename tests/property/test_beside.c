@@ -1,5 +1,5 @@
-/* Sources and curves whose points lie right beside edges and vertices of a plane, nearer than windows can tell, and places asked at that do, too: each
- * distance is Euclid's, and each path leads there. */
+/* Sources and corners of curves that lie right beside edges and vertices of a plane, curves nearer than windows can tell, and places asked at that do, too:
+ * each distance is Euclid's, and each path leads there. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "tests/samples/samples.h"
 #include "tests/support/field.h"
 
-enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40 };
+enum { SCENES = 400, POINTS_MOST = 4, PLACES = 40, POINT_DIGITS = 8, CURVE_DIGITS = 16 };
 
 /* Of a square of 8 x 8 cells: of a part of the scenes, vertices inside of it lie anywhere in their cells. */
 struct plane {
@@ -41,13 +41,13 @@ static void close_plane(struct plane *plane)
     gd_polygons_free(&plane->polygons);
 }
 
-/* Some 1 to 1e-16 away from a vertex or an edge. */
-static struct gd_point beside_something(const struct plane *plane, struct rng *rng)
+/* Some 1 to 10^-digits away from a vertex or an edge. */
+static struct gd_point beside_something(const struct plane *plane, int digits, struct rng *rng)
 {
     uint32_t face = rng_below(rng, plane->polygons.polygon_count), k = rng_below(rng, 3);
     const double *a = plane->polygons.positions[plane->polygons.corners[3 * face + k]],
                  *b = plane->polygons.positions[plane->polygons.corners[3 * face + (k + 1) % 3]];
-    double t = rng_below(rng, 3) ? rng_unit(rng) : 0, apart = pow(10, -16 * rng_unit(rng)),
+    double t = rng_below(rng, 3) ? rng_unit(rng) : 0, apart = pow(10, -digits * rng_unit(rng)),
            angle = 2 * M_PI * rng_unit(rng);
     return test_point_near(plane->mesh, a[0] + t * (b[0] - a[0]) + apart * cos(angle),
                            a[1] + t * (b[1] - a[1]) + apart * sin(angle), 0);
@@ -73,13 +73,14 @@ static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, 
 }
 
 /* The worst error of distances and lengths at all vertices and some places. */
-static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count, struct rng *rng)
+static double check_field(const struct plane *plane, const struct gd_seed *seeds, uint32_t count, int digits,
+                          struct rng *rng)
 {
     struct gd_field *field = test_field(plane->mesh, seeds, count, 0);
     double worst = 0;
     for (uint32_t i = 0; i < plane->polygons.position_count + PLACES; i++) {
         struct gd_point point =
-            i < plane->polygons.position_count ? test_vertex(plane->mesh, i) : beside_something(plane, rng);
+            i < plane->polygons.position_count ? test_vertex(plane->mesh, i) : beside_something(plane, digits, rng);
         double expected = to_seeds(plane->mesh, seeds, count, gd_point_position(plane->mesh, &point));
         struct gd_path path;
         check_ok(gd_field_path(field, &point, &path), NULL);
@@ -101,8 +102,8 @@ static void points_beside_something(void **state)
         struct plane plane = open_plane(scene, &rng);
         struct gd_seed seeds[POINTS_MOST] = {0};
         uint32_t count = 1 + rng_below(&rng, POINTS_MOST);
-        for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(&plane, &rng);
-        worst = fmax(worst, check_field(&plane, seeds, count, &rng));
+        for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(&plane, POINT_DIGITS, &rng);
+        worst = fmax(worst, check_field(&plane, seeds, count, POINT_DIGITS, &rng));
         close_plane(&plane);
     }
     print_message("# %d fields of points: off by %.1e at most\n", SCENES, worst);
@@ -112,7 +113,7 @@ static double check_curve(const struct plane *plane, struct rng *rng)
 {
     struct gd_point points[POINTS_MOST];
     uint32_t count = 2 + rng_below(rng, POINTS_MOST - 1);
-    for (uint32_t i = 0; i < count; i++) points[i] = beside_something(plane, rng);
+    for (uint32_t i = 0; i < count; i++) points[i] = beside_something(plane, CURVE_DIGITS, rng);
     struct gd_curve_request request = {
         .kind = GD_CURVE_POINTS, .points = points, .count = count, .closed = count > 2 && rng_below(rng, 2)};
     struct gd_curve curve;
@@ -121,7 +122,7 @@ static double check_curve(const struct plane *plane, struct rng *rng)
     struct gd_seed *seeds = malloc(seed_count * sizeof *seeds);
     assert_non_null(seeds);
     gd_curve_seeds(&curve, 0, seeds);
-    double worst = check_field(plane, seeds, seed_count, rng);
+    double worst = check_field(plane, seeds, seed_count, CURVE_DIGITS, rng);
     free(seeds);
     gd_curve_free(&curve);
     return worst;
