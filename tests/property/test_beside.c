@@ -1,5 +1,5 @@
 /* Sources and corners of curves that lie right beside edges and vertices of a plane, curves nearer than windows can tell, and places asked at that do, too:
- * each distance is Euclid's, and each path leads there. */
+ * each distance is Euclid's, and each path leads there. GD_SCENES in the environment says how many fields of each kind are built (400). */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -53,20 +53,13 @@ static struct gd_point beside_something(const struct plane *plane, int digits, s
                            a[1] + t * (b[1] - a[1]) + apart * sin(angle), 0);
 }
 
-static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
-{
-    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
-    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
-    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
-}
-
 /* The distance of a place from seeds: points, or segments. */
 static double to_seeds(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         struct gd_vec3 a = gd_point_position(mesh, &seeds[i].point);
-        least = fmin(least, seeds[i].is_segment ? to_segment(p, a, gd_point_position(mesh, &seeds[i].end))
+        least = fmin(least, seeds[i].is_segment ? test_distance_to_segment(p, a, gd_point_position(mesh, &seeds[i].end))
                                                 : gd_vec3_distance(p, a));
     }
     return least;
@@ -93,20 +86,12 @@ static double check_field(const struct plane *plane, const struct gd_seed *seeds
     return worst;
 }
 
-static void points_beside_something(void **state)
+static double check_points(const struct plane *plane, struct rng *rng)
 {
-    (void)state;
-    struct rng rng = {5};
-    double worst = 0;
-    for (int scene = 0; scene < SCENES; scene++) {
-        struct plane plane = open_plane(scene, &rng);
-        struct gd_seed seeds[POINTS_MOST] = {0};
-        uint32_t count = 1 + rng_below(&rng, POINTS_MOST);
-        for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(&plane, POINT_DIGITS, &rng);
-        worst = fmax(worst, check_field(&plane, seeds, count, POINT_DIGITS, &rng));
-        close_plane(&plane);
-    }
-    print_message("# %d fields of points: off by %.1e at most\n", SCENES, worst);
+    struct gd_seed seeds[POINTS_MOST] = {0};
+    uint32_t count = 1 + rng_below(rng, POINTS_MOST);
+    for (uint32_t i = 0; i < count; i++) seeds[i].point = beside_something(plane, POINT_DIGITS, rng);
+    return check_field(plane, seeds, count, POINT_DIGITS, rng);
 }
 
 static double check_curve(const struct plane *plane, struct rng *rng)
@@ -128,17 +113,31 @@ static double check_curve(const struct plane *plane, struct rng *rng)
     return worst;
 }
 
+/* What is checked in each plane; it returns its worst error. */
+static void check_planes(double (*check)(const struct plane *plane, struct rng *rng), uint64_t seed)
+{
+    const char *asked = getenv("GD_SCENES");
+    int scenes = asked ? atoi(asked) : SCENES;
+    struct rng rng = {seed};
+    double worst = 0;
+    for (int scene = 0; scene < scenes; scene++) {
+        struct plane plane = open_plane(scene, &rng);
+        worst = fmax(worst, check(&plane, &rng));
+        close_plane(&plane);
+    }
+    print_message("# %d fields: off by %.1e at most\n", scenes, worst);
+}
+
+static void points_beside_something(void **state)
+{
+    (void)state;
+    check_planes(check_points, 5);
+}
+
 static void curves_beside_something(void **state)
 {
     (void)state;
-    struct rng rng = {6};
-    double worst = 0;
-    for (int scene = 0; scene < SCENES; scene++) {
-        struct plane plane = open_plane(scene, &rng);
-        worst = fmax(worst, check_curve(&plane, &rng));
-        close_plane(&plane);
-    }
-    print_message("# %d fields of curves: off by %.1e at most\n", SCENES, worst);
+    check_planes(check_curve, 6);
 }
 
 int main(void)

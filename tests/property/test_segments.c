@@ -261,13 +261,6 @@ static void planes(void **state)
     }
 }
 
-static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
-{
-    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
-    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
-    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
-}
-
 static struct gd_point point_near(const struct gd_mesh *mesh, struct gd_vec3 place)
 {
     struct gd_point point;
@@ -287,7 +280,8 @@ static double check_opposite(const struct gd_mesh *mesh, const struct gd_field *
     double worst = 0;
     for (uint32_t i = 1; i < trace.path.count; i++) {
         struct gd_vec3 place = gd_point_position(mesh, &trace.path.points[i]);
-        double expected = fmin(to_segment(place, bend[0], bend[1]), to_segment(place, bend[1], bend[2]));
+        double expected =
+            fmin(test_distance_to_segment(place, bend[0], bend[1]), test_distance_to_segment(place, bend[1], bend[2]));
         double error = fabs(test_distance(field, &trace.path.points[i]) - expected) / expected;
         worst = fmax(worst, error);
     }

@@ -1,7 +1,9 @@
 #include "tests/support/field.h"
 
+#include <math.h>
 #include <stdlib.h>
 
+#include "gd/vec.h"
 #include "tests/support/test.h"
 
 struct gd_field *test_field(const struct gd_mesh *mesh, const struct gd_seed *seeds, uint32_t count, double radius)
@@ -34,4 +36,11 @@ double test_distance(const struct gd_field *field, const struct gd_point *point)
     double distance = 0;
     check_ok(gd_field_distance(field, point, &distance), NULL);
     return distance;
+}
+
+double test_distance_to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
+{
+    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
+    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
+    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
 }

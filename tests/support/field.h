@@ -12,4 +12,7 @@ struct gd_field *test_field_of_curve(const struct gd_mesh *mesh, const struct gd
 
 double test_distance(const struct gd_field *field, const struct gd_point *point);
 
+/* Euclid's, of p from the segment between a and b. */
+double test_distance_to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b);
+
 #endif

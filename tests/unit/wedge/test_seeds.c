@@ -63,18 +63,11 @@ static struct gd_field *field_of_points(const struct ring *ring)
     return test_field(mesh, seeds, ring->count, 0);
 }
 
-static double to_segment(struct gd_vec3 p, struct gd_vec3 a, struct gd_vec3 b)
-{
-    struct gd_vec3 from = gd_vec3_sub(p, a), span = gd_vec3_sub(b, a);
-    double part = gd_vec3_dot(from, span) / gd_vec3_dot(span, span);
-    return gd_vec3_length(gd_vec3_along(from, -fmin(fmax(part, 0), 1), span));
-}
-
 static double to_segments(const struct ring *ring, struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i < ring->count; i++)
-        least = fmin(least, to_segment(p, ring->place[i], ring->place[(i + 1) % ring->count]));
+        least = fmin(least, test_distance_to_segment(p, ring->place[i], ring->place[(i + 1) % ring->count]));
     return least;
 }
 
@@ -180,8 +173,8 @@ static double to_curve(const struct gd_curve *curve, struct gd_vec3 p)
 {
     double least = INFINITY;
     for (uint32_t i = 0; i + 1 < curve->count; i++)
-        least = fmin(least, to_segment(p, gd_point_position(mesh, &curve->points[i]),
-                                       gd_point_position(mesh, &curve->points[i + 1])));
+        least = fmin(least, test_distance_to_segment(p, gd_point_position(mesh, &curve->points[i]),
+                                                     gd_point_position(mesh, &curve->points[i + 1])));
     return least;
 }
 
