@@ -4,7 +4,7 @@
 usage: tests/run.py [--jobs N] [--timeout SECONDS] PROGRAM...
 
 A program is a cmocka binary (its TAP output is counted), or any other command that prints lines `ok NAME` / `not ok NAME` / `skip NAME`.
-What a program prints is shown when it fails, and its lines that begin with `# ` (figures worth reporting) always.
+What a program prints is shown when it fails, but for the tests that passed, and its lines that begin with `# ` (figures worth reporting) always.
 The last line is `N passed, N failed, N skipped`; the exit status is 0 only if nothing failed and something passed.
 """
 import argparse
@@ -39,6 +39,11 @@ def run(command, timeout):
     return command, output, passed, failed, skipped, time.monotonic() - started
 
 
+def worth_telling(output, failed):
+    """Of a program that failed all but the tests that passed: logs are cut, and what failed must be in what is left of them."""
+    return [line for line in output.splitlines() if (not OK.match(line) if failed else re.match(r"# (?!ok|not ok)", line))]
+
+
 def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
@@ -51,7 +56,7 @@ def main():
             command, output, passed, failed, skipped, seconds = future.result()
             total = [total[0] + passed, total[1] + failed, total[2] + skipped]
             print(f"{'FAIL' if failed else 'ok  '} {command}  {passed} passed, {failed} failed, {skipped} skipped, {seconds:.1f} s")
-            for line in output.splitlines() if failed else [x for x in output.splitlines() if re.match(r"# (?!ok|not ok)", x)]:
+            for line in worth_telling(output, failed):
                 print("     " + line)
             sys.stdout.flush()
     print(f"{total[0]} passed, {total[1]} failed, {total[2]} skipped")
