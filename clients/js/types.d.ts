@@ -277,7 +277,7 @@ export type PathPoint = {
 
 export type FieldId = string;
 
-/** A curve on the surface: points joined in turn by shortest paths, vertices that share edges in turn, a boundary by its place in the mesh's description, or a spline, as the path that `spline` answers. */
+/** A curve on the surface: points joined in turn by shortest paths, vertices that share edges in turn, a boundary by its place in the mesh's description, or a spline, as the path that `spline` answers. Of joined points those within 4e-12 of an edge or a vertex, as barycentric coordinates go, are put there. */
 export type Curve = ({
   points: Point[];
   /** The last is joined to the first. */
