@@ -95,15 +95,8 @@ static enum gd_status grow(struct gd__pool *pool, size_t need)
 
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class)
 {
-    size_t size = pool->item_size * gd__pool_items(size_class);
-    if ((size_t)(pool->end - pool->cursor) < size) {
-        enum gd_status status = grow(pool, size);
-        if (status) {
-            pool->status = status;
-            return NULL;
-        }
-    }
-    void *block = pool->cursor;
-    pool->cursor += size;
-    return block;
+    enum gd_status status = grow(pool, pool->item_size * gd__pool_items(size_class));
+    if (!status) return gd__pool_take(pool, size_class);
+    pool->status = status;
+    return NULL;
 }

@@ -44,15 +44,21 @@ static inline uint32_t gd__pool_class(uint32_t count)
     return count <= 16 ? count - 1 : 47 - (uint32_t)__builtin_clz((count - 1) >> 4);
 }
 
-/* A block that none has been released for: see gd__pool_take. */
+/* A block of a new chunk: see gd__pool_take. */
 void *gd__pool_take_new(struct gd__pool *pool, uint32_t size_class);
 
 /* A block of gd__pool_items(size_class) items, uninitialised; NULL when out of memory or budget (pool->status says which). */
 static inline void *gd__pool_take(struct gd__pool *pool, uint32_t size_class)
 {
     void *block = pool->free_blocks[size_class];
-    if (!block) return gd__pool_take_new(pool, size_class);
-    pool->free_blocks[size_class] = *(void **)block;
+    if (block) {
+        pool->free_blocks[size_class] = *(void **)block;
+        return block;
+    }
+    size_t size = pool->item_size * gd__pool_items(size_class);
+    if ((size_t)(pool->end - pool->cursor) < size) return gd__pool_take_new(pool, size_class);
+    block = pool->cursor;
+    pool->cursor += size;
     return block;
 }
 

@@ -3,27 +3,21 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
-#include "wedge/asking.h"
 
-enum { DIGIT = 256, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
+enum { DIGIT_BITS = 11, DIGIT = 1 << DIGIT_BITS, FEW = 32 /* are sorted in place */ };
 
-/* The faces that contain a seed inside of them; at most two, GD_NONE fills. False: a segment in no face. */
-static bool faces_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t faces[2])
+/* Where a seed is inside of, or GD_NONE twice. False: a segment in no face. */
+static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed, struct gd__home *home)
 {
-    struct gd__home home = {GD_NONE, GD_NONE};
-    if (seed->is_segment && !gd__segment_home(mesh, &seed->point, &seed->end, &home)) return false;
-    if (!seed->is_segment && seed->point.kind == GD_POINT_FACE) home.face = seed->point.element;
-    if (!seed->is_segment && seed->point.kind == GD_POINT_EDGE) home.edge = seed->point.element;
-    for (uint32_t k = 0; k < 2; k++) faces[k] = home.edge == GD_NONE ? GD_NONE : mesh->side_face[2 * home.edge + k];
-    if (home.face != GD_NONE) faces[0] = home.face;
+    if (seed->is_segment) return gd__segment_home(mesh, &seed->point, &seed->end, home);
+    home->face = seed->point.kind == GD_POINT_FACE ? seed->point.element : GD_NONE;
+    home->edge = seed->point.kind == GD_POINT_EDGE ? seed->point.element : GD_NONE;
     return true;
 }
 
-/* Asks for the faces of an edge some seeds ahead: those of a curve are nowhere near each other in memory. */
-GD__ASKING ask_ahead(const struct gd_field *field, uint32_t seed)
+static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
 {
-    if (seed >= field->seed_count || field->seeds[seed].point.kind != GD_POINT_EDGE) return;
-    __builtin_prefetch(&field->mesh->side_face[2 * field->seeds[seed].point.element]);
+    if (face != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
 static void insert_in_place(struct gd__face_seed *list, uint32_t count)
@@ -50,39 +44,55 @@ static void sort_by_digit(const struct gd__face_seed *from, struct gd__face_seed
 }
 
 /* By face; those of one face stay in their order. O(n) a digit. GD_NO_MEMORY. */
-static enum gd_status sort_by_face(struct gd__face_seed *list, uint32_t count, uint32_t face_count)
+static enum gd_status sort_by_face(struct gd_field *field)
 {
+    uint32_t count = field->face_seed_count;
     if (count <= FEW) {
-        insert_in_place(list, count);
+        insert_in_place(field->face_seeds, count);
         return GD_OK;
     }
-    struct gd__face_seed *other = malloc(count * sizeof *other), *from = list, *to = other;
-    if (!other) return GD_NO_MEMORY;
-    for (int shift = 0; shift < 32 && face_count >> shift; shift += 8) {
-        sort_by_digit(from, to, count, shift);
-        struct gd__face_seed *sorted = to;
-        to = from;
-        from = sorted;
+    struct gd__face_seed *sorted = malloc(sizeof *sorted * 2 * field->seed_count), *from = field->face_seeds;
+    if (!sorted) return GD_NO_MEMORY;
+    for (int shift = 0; shift < 32 && field->mesh->face_count >> shift; shift += DIGIT_BITS) {
+        sort_by_digit(from, sorted, count, shift);
+        field->face_seeds = sorted;
+        sorted = from;
+        from = field->face_seeds;
     }
-    if (from != list) memcpy(list, from, count * sizeof *list);
-    free(other);
+    free(sorted);
     return GD_OK;
+}
+
+enum gd_status gd__field_open_index(struct gd_field *field)
+{
+    field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
+    return field->face_seeds ? GD_OK : GD_NO_MEMORY;
+}
+
+bool gd__field_index_seed(struct gd_field *field, uint32_t seed)
+{
+    struct gd__seed *s = &field->seeds[seed];
+    struct gd__home home;
+    if (!home_of(field->mesh, s, &home)) return false;
+    field->has_segments |= s->is_segment;
+    if (s->is_segment && !field->is_image) s->face = home.face; /* images are not written to, and not propagated from */
+    enter(field, home.face, seed);
+    for (uint32_t k = 0; k < 2 && home.edge != GD_NONE; k++)
+        enter(field, field->mesh->side_face[2 * home.edge + k], seed);
+    return true;
+}
+
+enum gd_status gd__field_close_index(struct gd_field *field)
+{
+    return sort_by_face(field);
 }
 
 enum gd_status gd__field_index_seeds(struct gd_field *field)
 {
-    const struct gd_mesh *mesh = field->mesh;
-    field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
-    if (!field->face_seeds) return GD_NO_MEMORY;
-    for (uint32_t i = 0; i < field->seed_count; i++) {
-        uint32_t faces[2];
-        ask_ahead(field, i + SEEDS_AHEAD);
-        field->has_segments |= field->seeds[i].is_segment;
-        if (!faces_of_seed(mesh, &field->seeds[i], faces)) return GD_INVALID_ARGUMENT;
-        for (int k = 0; k < 2; k++)
-            if (faces[k] != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){faces[k], i};
-    }
-    return sort_by_face(field->face_seeds, field->face_seed_count, mesh->face_count);
+    enum gd_status status = gd__field_open_index(field);
+    for (uint32_t i = 0; i < field->seed_count && !status; i++)
+        if (!gd__field_index_seed(field, i)) status = GD_INVALID_ARGUMENT;
+    return status ? status : gd__field_close_index(field);
 }
 
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)

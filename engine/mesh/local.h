@@ -33,7 +33,25 @@ static inline int gd__place_of_side(const uint32_t sides[3], uint32_t side)
     return (sides[1] == side) + 2 * (sides[2] == side);
 }
 
-/* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it; all 0 in any other. */
-void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face, double weight[3]);
+/* gd__point_weights of a vertex or a point inside a face. */
+void gd__point_weights_off_edges(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
+                                 double weight[3]);
+
+/* Barycentric coordinates (by corner, corner 0 = origin of face_side[0]) of a point in one of the faces that contain it; all 0 in any other. Which side an
+ * edge is, and which way round, can't be foretold, so that of a point of an edge nothing is branched on. */
+static inline void gd__point_weights(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t face,
+                                     double weight[3])
+{
+    if (point->kind != GD_POINT_EDGE) {
+        gd__point_weights_off_edges(mesh, point, face, weight);
+        return;
+    }
+    const uint32_t *side = mesh->face_side[face];
+    bool on[3] = {side[0] >> 1 == point->element, side[1] >> 1 == point->element, side[2] >> 1 == point->element};
+    double is[3] = {on[0], on[1], on[2]}, t = point->weight[0];
+    double turned = ((side[0] & on[0]) | (side[1] & on[1]) | (side[2] & on[2])); /* the edge's side 1 is the face's */
+    double forth = t - 2 * turned * t, of_destination = turned + forth, of_origin = (1 - turned) - forth;
+    for (int k = 0; k < 3; k++) weight[k] = is[k] * of_origin + is[(k + 2) % 3] * of_destination;
+}
 
 #endif

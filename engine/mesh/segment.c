@@ -50,8 +50,7 @@ uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, c
     return GD_NONE;
 }
 
-/* The only edge that two points might have in common. */
-static uint32_t edge_between(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
+uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b)
 {
     if (a->kind == GD_POINT_EDGE) return a->element;
     if (b->kind == GD_POINT_EDGE) return b->element;
@@ -65,7 +64,7 @@ bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, cons
 {
     struct gd__home home = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;
-    uint32_t edge = edge_between(mesh, a, b);
+    uint32_t edge = gd__edge_between(mesh, a, b);
     if (edge != GD_NONE && is_on_edge(mesh, a, edge) && is_on_edge(mesh, b, edge)) {
         home.edge = edge;
     } else {

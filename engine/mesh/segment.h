@@ -11,6 +11,9 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
  * when both are vertices. */
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q);
 
+/* The only edge that two points might have in common; GD_NONE: none. Walks the fan of a vertex when both are vertices. */
+uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b);
+
 /* Where a segment lies: along an edge, or across a face. */
 struct gd__home {
     uint32_t edge; /* GD_NONE: not along an edge */

@@ -55,15 +55,7 @@ static void emit_through_face(struct gd__wavefront *front, uint32_t vertex, cons
     if (b1 > length) b1 = length;
     if (b1 - b0 <= GD_TOL_WIDTH * length) return;
     struct gd__window window = {.b0 = b0, .b1 = b1, .x = x, .y = y, .sigma = front->distance[vertex], .source = vertex};
-    uint32_t apex = fan + 1 < mesh->fan + mesh->fan_first[vertex + 1] ? fan[1].tip : mesh->origin[s->right];
-    struct gd__receiver receiver = {s->right,
-                                    length,
-                                    front->distance[apex],
-                                    front->distance[fan->tip],
-                                    gd__wavefront_rest(front, apex),
-                                    gd__wavefront_rest(front, fan->tip),
-                                    front->falls};
-    gd__wavefront_offer(front, &receiver, &window);
+    gd__wavefront_offer(front, s->right, &window);
 }
 
 /* Emits into the directions [from, to] of the fan, 0 <= from <= to; an interior fan goes round (to may exceed the total angle). */

@@ -6,57 +6,105 @@
 #include "mesh/segment.h"
 #include "wedge/wavefront.h"
 
+enum { GD__LAID_LAST = 4 };
+
 /* A segment as it lies on the surface. */
 struct gd__laid {
     uint32_t seed; /* GD_NONE: none yet */
-    struct gd__home home;
+    uint32_t face; /* GD_NONE: along an edge */
+    uint32_t edge;
+    double forward;            /* along an edge: 1 as its side 0 runs, -1 against it */
     struct gd__chord chord[3]; /* across a face: in the frames of its sides */
 };
 
-/* The two segments laid last: a segment of a curve is asked for three times in a row, by itself and by its ends. */
+/* The segments laid last. One of a curve is asked for three times in a row, by itself and by its ends; and it is laid some time before, so that nobody has to
+ * wait for it. */
 struct gd__laying {
-    struct gd__laid last[2];
+    struct gd__laid last[GD__LAID_LAST];
 };
 
 /* Nothing is laid yet. */
 static inline void gd__laying_begin(struct gd__laying *laying)
 {
-    for (int i = 0; i < 2; i++) laying->last[i].seed = GD_NONE;
+    for (int i = 0; i < GD__LAID_LAST; i++) laying->last[i].seed = GD_NONE;
 }
 
-/* The segment that a seed is; without a home where its ends lie in no common face. Good until the second segment after it is laid. */
-const struct gd__laid *gd__lay(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed);
+/* Lays the segment that a seed is. */
+void gd__lay_anew(const struct gd__wavefront *front, struct gd__laid *laid, uint32_t seed);
 
-struct gd__joint {
-    const struct gd__laid *segment[2];
-    double turned[2]; /* 1: the segment goes off from here, -1: it comes here */
-    int count;
-};
-
-/* The segments that end at the point that a seed is, and stand next to it in the list of seeds (gd_curve_seeds). */
-struct gd__joint gd__joint_of(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed);
-
-/* Where the segments of a joint go off from it, in the frame of a side: unit vectors. */
-struct gd__spread {
-    struct gd__local along[2];
-    int count;
-};
-
-/* In the frame of side k of the face that the joint lies in. */
-struct gd__spread gd__spread_in_face(const struct gd__joint *joint, int k);
-
-/* In the frame of one side of the edge that the joint lies on: the face across is laid beside the side's own. */
-struct gd__spread gd__spread_from_edge(const struct gd__wavefront *front, const struct gd__joint *joint, uint32_t side);
+/* The same if it is not laid yet. Good until a segment is laid that is seed + 2 GD__LAID_LAST. */
+static inline const struct gd__laid *gd__lay(const struct gd__wavefront *front, struct gd__laying *laying,
+                                             uint32_t seed)
+{
+    struct gd__laid *laid = &laying->last[seed / 2 % GD__LAID_LAST];
+    if (laid->seed != seed) gd__lay_anew(front, laid, seed);
+    return laid;
+}
 
 static inline struct gd__local gd__turned(struct gd__local along, double by)
 {
     return (struct gd__local){by * along.x, by * along.y};
 }
 
+/* Where the segments of a joint go off from it, in the frame of a side: unit vectors; zero, which nothing lies ahead along, where there is none. They end at
+ * the joint and stand before and behind it in the list of seeds (gd_curve_seeds). */
+struct gd__spread {
+    struct gd__local along[2];
+};
+
+/* The segment that a seed beside a joint is, if it ends there, and `turned`: -1 if it comes there, 1 if it goes off. NULL: none. */
+static inline const struct gd__laid *gd__segment_of_joint(const struct gd__wavefront *front, struct gd__laying *laying,
+                                                          uint32_t joint, uint32_t seed, double *turned)
+{
+    if (seed >= front->seed_count) return NULL;
+    const struct gd__seed *s = &front->seeds[seed], *at = &front->seeds[joint];
+    if (!s->is_segment || s->offset != at->offset) return NULL;
+    bool comes = gd_point_equal(&s->end, &at->point);
+    if (!comes && !gd_point_equal(&s->point, &at->point)) return NULL;
+    *turned = comes ? -1 : 1;
+    return gd__lay(front, laying, seed);
+}
+
+/* In the frame of side k of the face that the joint lies in. */
+static inline struct gd__spread gd__spread_in_face(const struct gd__wavefront *front, struct gd__laying *laying,
+                                                   uint32_t joint, int k)
+{
+    struct gd__spread spread = {{{0, 0}, {0, 0}}};
+    double turned;
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct gd__laid *laid = gd__segment_of_joint(front, laying, joint, joint - 1 + 2 * i, &turned);
+        if (laid) spread.along[i] = gd__turned(laid->chord[k].along, turned);
+    }
+    return spread;
+}
+
+/* Where a segment runs, in the frame of one side of an edge that it ends on or runs along: the face across is laid beside the side's own. */
+static inline struct gd__local gd__direction_from_edge(const struct gd__wavefront *front, uint32_t side,
+                                                       const struct gd__laid *laid)
+{
+    if (laid->face == GD_NONE) return (struct gd__local){side & 1 ? -laid->forward : laid->forward, 0};
+    const uint32_t *sides = front->mesh->face_side[laid->face];
+    int k = gd__place_of_edge(sides, side >> 1);
+    return gd__turned(laid->chord[k].along, 1 - 2 * (double)(sides[k] != side));
+}
+
+/* In the frame of one side of the edge that the joint lies on. */
+static inline struct gd__spread gd__spread_from_edge(const struct gd__wavefront *front, struct gd__laying *laying,
+                                                     uint32_t joint, uint32_t side)
+{
+    struct gd__spread spread = {{{0, 0}, {0, 0}}};
+    double turned;
+    for (uint32_t i = 0; i < 2; i++) {
+        const struct gd__laid *laid = gd__segment_of_joint(front, laying, joint, joint - 1 + 2 * i, &turned);
+        if (laid) spread.along[i] = gd__turned(gd__direction_from_edge(front, side, laid), turned);
+    }
+    return spread;
+}
+
 /* The same in the frame of the edge's other side. */
 static inline struct gd__spread gd__spread_from_other_side(struct gd__spread spread)
 {
-    for (int i = 0; i < spread.count; i++) spread.along[i] = gd__turned(spread.along[i], -1);
+    for (int i = 0; i < 2; i++) spread.along[i] = gd__turned(spread.along[i], -1);
     return spread;
 }
 
@@ -70,7 +118,7 @@ static inline double gd__along(struct gd__local direction, struct gd__local v)
 static inline bool gd__is_ahead(const struct gd__spread *spread, struct gd__local v)
 {
     double beside = GD_TOL_ONWARD * (fabs(v.x) + fabs(v.y));
-    for (int i = 0; i < spread->count; i++)
+    for (int i = 0; i < 2; i++)
         if (gd__along(spread->along[i], v) > beside) return true;
     return false;
 }
@@ -79,7 +127,7 @@ static inline bool gd__is_ahead(const struct gd__spread *spread, struct gd__loca
 static inline bool gd__is_straight(const struct gd__spread *spread)
 {
     const struct gd__local *a = &spread->along[0], *b = &spread->along[1];
-    return spread->count == 2 && gd__along(*a, *b) < 0 && fabs(a->x * b->y - a->y * b->x) <= GD_TOL_ONWARD;
+    return gd__along(*a, *b) < 0 && fabs(a->x * b->y - a->y * b->x) <= GD_TOL_ONWARD;
 }
 
 /* A part of a side, in parts of its length from its origin. */

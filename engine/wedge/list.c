@@ -244,3 +244,84 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct
     gd__children_close(newer, pool);
     return status;
 }
+
+/* --- one window ---------------------------------------------------------------------------------------------------------- */
+
+#define FEW 3 /* windows, whose parts beside another one have room in the smallest block */
+
+/* Parts of windows, in order, as they are written to a list. */
+struct parts {
+    struct gd__windows at;
+    uint32_t count;
+    const struct gd__window *last;
+    double min_width;
+};
+
+static void put_part(struct parts *parts, const struct gd__window *w, double from, double to)
+{
+    if (parts->last == w && parts->at.b1[parts->count - 1] == from) {
+        parts->at.b1[parts->count - 1] = to;
+        return;
+    }
+    if (to - from <= parts->min_width) return;
+    uint32_t i = parts->count++;
+    gd__windows_put(&parts->at, i, w);
+    parts->at.b0[i] = from;
+    parts->at.b1[i] = to;
+    parts->last = w;
+}
+
+/* The overlap of the new window with one of the list, which wins ties. */
+static void put_overlap(struct parts *parts, const struct gd__window *w, const struct gd__window *o, double lo,
+                        double hi)
+{
+    struct gd__verdict verdict = {0};
+    if (hi - lo > parts->min_width) verdict = gd__contest(w, o, lo, hi);
+    bool is_new = verdict.challenger_first;
+    for (int i = 0; i <= verdict.switches; i++, is_new = !is_new) {
+        double to = i < verdict.switches ? verdict.at[i] : hi;
+        put_part(parts, is_new ? w : o, lo, to);
+        lo = to;
+    }
+}
+
+/* What is left of windows of a list and a new one. */
+static void put_among(struct parts *parts, const struct gd__window *windows, uint32_t count, const struct gd__window *w)
+{
+    double from = w->b0; /* of the new one what lies before is put */
+    for (const struct gd__window *o = windows; o < windows + count; o++) {
+        double lo = o->b0 > w->b0 ? o->b0 : w->b0, hi = o->b1 < w->b1 ? o->b1 : w->b1;
+        if (from < lo) put_part(parts, w, from, hi < lo ? hi : lo);
+        if (o->b0 < lo) put_part(parts, o, o->b0, hi < lo ? hi : lo);
+        if (lo < hi) put_overlap(parts, w, o, lo, hi);
+        if (hi < o->b1) put_part(parts, o, hi > o->b0 ? hi : o->b0, o->b1);
+        if (from < hi) from = hi;
+    }
+    put_part(parts, w, from, w->b1);
+}
+
+static bool has_source(const struct gd__windows *windows, uint32_t count, uint32_t source)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (windows->source[i] == source) return true;
+    return false;
+}
+
+enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool, const struct gd__window *window,
+                                double min_width, struct gd__scratch *scratch)
+{
+    struct parts parts = {.at = gd__list_windows(list), .min_width = min_width};
+    if (list->count > FEW || has_source(&parts.at, list->count, window->source)) {
+        struct gd__children one = {.count = 1};
+        enum gd_status status = gd__children_open(&one, pool, 1);
+        if (status) return status;
+        gd__windows_put(&one.at, 0, window);
+        return gd__list_add(list, pool, &one, min_width, scratch);
+    }
+    struct gd__window there[FEW];
+    for (uint32_t i = 0; i < list->count; i++) there[i] = gd__windows_get(&parts.at, i);
+    put_among(&parts, there, list->count, window);
+    if (parts.count) list->count = parts.count; /* where nothing is wide enough, all stays as it was */
+    if (parts.count + GD__WINDOWS_GROUP <= gd__list_capacity(list)) return GD_OK;
+    return gd__block_enlarge(&list->block, &list->size_class, pool, list->count + GD__WINDOWS_GROUP, list->count);
+}

@@ -29,6 +29,11 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                                         double min_width, struct gd__scratch *scratch);
 
+/* The same of one window. */
+GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
+                                            const struct gd__window *window, double min_width,
+                                            struct gd__scratch *scratch);
+
 /* The same of any list: an empty one takes the block of the windows. */
 GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool,
                                                          struct gd__children *newer, double min_width,
@@ -39,6 +44,21 @@ GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, 
     list->size_class = newer->size_class;
     list->count = newer->count;
     newer->block = NULL;
+    return GD_OK;
+}
+
+/* Puts a window into an empty list. GD_NO_MEMORY, GD_BUDGET. */
+GD_MUST_USE static inline enum gd_status gd__list_begin(struct gd__list *list, struct gd__pool *pool,
+                                                        const struct gd__window *window)
+{
+    enum { GROUPS = 2, SIZE_CLASS = GROUPS - 1 }; /* there is a group behind the last window */
+    void *block = gd__pool_take(pool, SIZE_CLASS);
+    if (!block) return pool->status;
+    struct gd__windows at = gd__windows_at(block, GROUPS * GD__WINDOWS_GROUP);
+    gd__windows_put(&at, 0, window);
+    list->block = block;
+    list->size_class = SIZE_CLASS;
+    list->count = 1;
     return GD_OK;
 }
 

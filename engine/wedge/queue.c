@@ -4,7 +4,6 @@
 #include <string.h>
 
 #define MASK     (GD__QUEUE_BUCKETS - 1)
-#define FARTHEST 4e9 /* below the largest bucket number */
 #define SMALLEST 256 /* nodes of an array */
 #define BEFORE   16  /* buckets, see gd__queue_begin: some edges' lengths */
 
@@ -42,15 +41,9 @@ void gd__queue_set_width(struct gd__queue *queue, double bucket_width)
     queue->buckets_per_length = 1 / bucket_width;
 }
 
-static uint32_t number_of(const struct gd__queue *queue, double key)
-{
-    double exact = key * queue->buckets_per_length;
-    return exact < FARTHEST ? (uint32_t)exact : (uint32_t)FARTHEST;
-}
-
 void gd__queue_begin(struct gd__queue *queue, double key)
 {
-    uint32_t number = number_of(queue, key);
+    uint32_t number = gd__queue_number(queue, key);
     queue->current = number > BEFORE ? number - BEFORE : 0;
 }
 
@@ -75,35 +68,13 @@ static bool make_room(struct gd__queue *queue, struct gd__bucket *bucket)
     return true;
 }
 
-static inline void enter(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
-                         uint32_t *waiting)
-{
-    *waiting = number;
-    bucket->nodes[bucket->count++] = node;
-    queue->size++;
-}
-
-/* Apart, so that a push need not save registers for what is seldom. */
-__attribute__((noinline)) static void enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node,
-                                                 uint32_t number, uint32_t *waiting)
+void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
+                          uint32_t *waiting)
 {
     if (make_room(queue, bucket))
-        enter(queue, bucket, node, number, waiting);
+        gd__queue_enter(queue, bucket, node, number, waiting);
     else
         queue->out_of_memory = true;
-}
-
-void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting)
-{
-    uint32_t number = number_of(queue, key);
-    if (number < queue->current) number = queue->current;
-    if (number > queue->current + MASK) number = queue->current + MASK;
-    if (*waiting <= number) return; /* GD_NONE is larger than any */
-    struct gd__bucket *bucket = &queue->bucket[number & MASK];
-    if (bucket->count < bucket->capacity)
-        enter(queue, bucket, node, number, waiting);
-    else
-        enter_full(queue, bucket, node, number, waiting);
 }
 
 uint32_t gd__queue_pop(struct gd__queue *queue, uint32_t end)

@@ -44,8 +44,39 @@ void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 /* Nothing much nearer than that key will be entered in the empty queue: it need not begin at zero, from where its ring may not reach so far. */
 void gd__queue_begin(struct gd__queue *queue, double key);
 
+/* The bucket of a key. */
+static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)
+{
+    const double farthest = 4e9; /* below the largest bucket number */
+    double exact = key * queue->buckets_per_length;
+    return exact < farthest ? (uint32_t)exact : (uint32_t)farthest;
+}
+
+static inline void gd__queue_enter(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
+                                   uint32_t *waiting)
+{
+    *waiting = number;
+    bucket->nodes[bucket->count++] = node;
+    queue->size++;
+}
+
+/* The same where the bucket's array is full. */
+void gd__queue_enter_full(struct gd__queue *queue, struct gd__bucket *bucket, uint32_t node, uint32_t number,
+                          uint32_t *waiting);
+
 /* Enters the node, which waits in bucket *waiting (GD_NONE: in none), unless that comes no later than its key. Amortised O(1). */
-void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting);
+static inline void gd__queue_push(struct gd__queue *queue, uint32_t node, double key, uint32_t *waiting)
+{
+    uint32_t number = gd__queue_number(queue, key), last = queue->current + GD__QUEUE_BUCKETS - 1;
+    if (number < queue->current) number = queue->current;
+    if (number > last) number = last;
+    if (*waiting <= number) return; /* GD_NONE is larger than any */
+    struct gd__bucket *bucket = &queue->bucket[number & (GD__QUEUE_BUCKETS - 1)];
+    if (bucket->count < bucket->capacity)
+        gd__queue_enter(queue, bucket, node, number, waiting);
+    else
+        gd__queue_enter_full(queue, bucket, node, number, waiting);
+}
 
 /* Takes the first entry of the buckets before number `end`; GD_NONE when they are empty. It is stale unless its node waits in the current bucket.
  * Amortised O(1). */

@@ -4,10 +4,11 @@
 /* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
  * behind it at right angles; a joint, where segments of a curve end, only what lies behind them. */
 
-#define ARRAYS       6 /* of struct gd__windows */
-#define BLOCKS_AHEAD 2
-#define EDGES_AHEAD  12 /* seeds: see prefetch_seeds */
-#define FACES_AHEAD  6
+#define ARRAYS        6 /* of struct gd__windows */
+#define BLOCKS_AHEAD  2
+#define EDGES_AHEAD   12 /* seeds: see prefetch_seeds */
+#define FACES_AHEAD   6
+#define SEGMENT_AHEAD 3 /* is laid */
 
 /* --- points -------------------------------------------------------------------------------------------------------------- */
 
@@ -20,11 +21,11 @@ GD__ASKING prefetch_block(const struct gd__pool *pool)
 }
 
 /* Offers a side a seed's window. */
-static void seed_side(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+static inline __attribute__((always_inline)) void seed_side(struct gd__wavefront *front, uint32_t side,
+                                                            const struct gd__window *window)
 {
     prefetch_block(&front->work->pool);
-    struct gd__receiver to = gd__wavefront_receiver(front, side);
-    gd__wavefront_offer(front, &to, window);
+    gd__wavefront_offer(front, side, window);
 }
 
 /* Sends the seed's window out of its face across a part of `side` (a side of that face). A seed that lies almost on the side sees all of it, as the
@@ -66,12 +67,11 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     const uint32_t *sides = mesh->face_side[point->element];
-    const struct gd__joint joint = gd__joint_of(front, laying, seed);
     struct gd__local at[3];
     struct gd__spread spread[3];
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        spread[k] = gd__spread_in_face(&joint, k);
+        spread[k] = gd__spread_in_face(front, laying, seed, k);
     }
     if (gd__is_straight(&spread[0])) return; /* its segments see the corners beside it, too */
     for (int k = 0; k < 3; k++) seed_apex(front, seed, sides[k], at[k], &spread[k]);
@@ -112,8 +112,7 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     const struct gd_point *point = &front->seeds[seed].point;
     uint32_t side = 2 * point->element;
     double length = front->mesh->side[side].length, t = point->weight[0] * length;
-    const struct gd__joint joint = gd__joint_of(front, laying, seed);
-    const struct gd__spread spread = gd__spread_from_edge(front, &joint, side);
+    const struct gd__spread spread = gd__spread_from_edge(front, laying, seed, side);
     if (gd__is_straight(&spread)) return; /* as in a face */
     const struct gd__spread other = gd__spread_from_other_side(spread);
     seed_corners(front, seed, side, t, &spread);
@@ -196,14 +195,14 @@ static void seed_apex_from_chord(struct gd__wavefront *front, uint32_t seed, uin
 static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
 {
     const struct gd__laid *laid = gd__lay(front, laying, seed);
-    if (laid->home.edge != GD_NONE) {
-        seed_along_edge(front, seed, laid->home.edge);
-    } else if (laid->home.face != GD_NONE) {
-        const uint32_t *side = front->mesh->face_side[laid->home.face];
-        for (int k = 0; k < 3; k++) seed_apex_from_chord(front, seed, side[k], &laid->chord[k]);
-        for (int k = 0; k < 3; k++) seed_strip_across(front, seed, side[k], &laid->chord[k]);
-    } else {
-        front->status = GD_INVALID_ARGUMENT;
+    if (laid->face == GD_NONE) {
+        seed_along_edge(front, seed, laid->edge);
+        return;
+    }
+    const uint32_t *side = front->mesh->face_side[laid->face];
+    for (int k = 0; k < 3; k++) {
+        seed_apex_from_chord(front, seed, side[k], &laid->chord[k]);
+        seed_strip_across(front, seed, side[k], &laid->chord[k]);
     }
 }
 
@@ -212,14 +211,13 @@ static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying,
 /* Side 0 of the edge that a joint lies on; GD_NONE: that seed is none such. */
 static uint32_t side_of_joint(const struct gd__wavefront *front, uint32_t seed)
 {
-    if (seed >= front->seed_count) return GD_NONE;
-    const struct gd__seed *s = &front->seeds[seed];
-    return s->point.kind == GD_POINT_EDGE && !s->is_segment ? 2 * s->point.element : GD_NONE;
+    if (seed >= front->seed_count || front->seeds[seed].point.kind != GD_POINT_EDGE) return GD_NONE;
+    return 2 * front->seeds[seed].point.element;
 }
 
-GD__ASKING prefetch_side(const struct gd__wavefront *front, uint32_t side)
+/* Asks for what windows on their way out across `side`, or the face before it, take. */
+GD__ASKING prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
 {
-    __builtin_prefetch(&front->mesh->side[side]);
     __builtin_prefetch(&front->mesh->side[side ^ 1]);
     __builtin_prefetch(&front->mesh->origin[side]);
     if (!front->near) __builtin_prefetch(&front->lists[side]);
@@ -231,15 +229,24 @@ GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
     const struct gd_mesh *mesh = front->mesh;
     uint32_t far = side_of_joint(front, seed + EDGES_AHEAD), near = side_of_joint(front, seed + FACES_AHEAD);
     if (far != GD_NONE) {
-        prefetch_side(front, far);
+        __builtin_prefetch(&mesh->side[far]);
         __builtin_prefetch(&mesh->side_face[far]);
+        prefetch_way_out(front, far);
     }
     for (int k = 0; k < 2 && near != GD_NONE; k++, near ^= 1) {
         if (gd__side_is_boundary(mesh, near)) continue;
-        prefetch_side(front, mesh->side[near].left);
-        prefetch_side(front, mesh->side[near].right);
+        prefetch_way_out(front, mesh->side[near].left);
+        prefetch_way_out(front, mesh->side[near].right);
         __builtin_prefetch(&mesh->face_side[mesh->side_face[near]]);
     }
+}
+
+/* Makes ready what a joint, and the segment behind it, will take in a while. */
+static inline void look_ahead(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t joint)
+{
+    uint32_t segment = joint + SEGMENT_AHEAD;
+    prefetch_seeds(front, joint);
+    if (segment < front->seed_count && front->seeds[segment].is_segment) gd__lay(front, laying, segment);
 }
 
 static void emit_seed(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
@@ -267,7 +274,7 @@ void gd__emit_seeds(struct gd__wavefront *front)
     struct gd__laying laying;
     gd__laying_begin(&laying);
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
-        prefetch_seeds(front, i);
+        if (!front->seeds[i].is_segment) look_ahead(front, &laying, i);
         emit_seed(front, &laying, i);
     }
     if (front->domain) front->domain->is_common = false;

@@ -148,8 +148,7 @@ static inline bool keep_wanted(struct gd__wavefront *front, const struct gd__rec
     return children->count && !front->status;
 }
 
-static inline __attribute__((always_inline)) void deliver(struct gd__wavefront *front, const struct gd__receiver *to,
-                                                          struct gd__children *children)
+void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
 {
     bool is_ours = !front->domain || gd__domain_has_side(front->domain, to->side);
     if (!is_ours) send(front, to->side, children);
@@ -157,30 +156,37 @@ static inline __attribute__((always_inline)) void deliver(struct gd__wavefront *
         gd__children_close(children, &front->work->pool);
         return;
     }
-    front->effort.windows_created += children->count;
     struct gd__list *list = open_list(front, to->side);
     if (!list) return; /* what is in the pool is let go all at once */
-    gd__workspace_touch(front->work, to->side, !list->touched);
-    list->touched = true;
-    if (!list->count || to->falls < list->falls) list->falls = to->falls;
+    gd__wavefront_note_windows(front, list, to->side, to->falls, children->count);
     front->status =
         gd__list_insert(list, &front->work->pool, children, front->narrowest * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
 }
 
-void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *children)
-{
-    deliver(front, to, children);
-}
-
-void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window)
+static void deliver_one(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     struct gd__children *one = &front->work->left;
-    if (!front->status) front->status = gd__children_open(one, &front->work->pool, 1);
+    struct gd__receiver to = gd__wavefront_receiver(front, side);
+    front->status = gd__children_open(one, &front->work->pool, 1);
     if (front->status) return;
     gd__windows_put(&one->at, 0, window);
     one->count = 1;
-    deliver(front, to, one);
+    gd__wavefront_deliver(front, &to, one);
+}
+
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    if (front->status) return;
+    if (!front->takes_all) {
+        deliver_one(front, side, window);
+        return;
+    }
+    struct gd__list *list = &front->lists[side];
+    gd__wavefront_note_windows(front, list, side, front->falls, 1);
+    front->status = gd__list_add_one(list, &front->work->pool, window,
+                                     front->narrowest * front->mesh->side[side].length, &front->work->scratch);
+    if (!front->status) gd__queue_push(front->queue, side, gd__window_key(window), &list->bucket);
 }
 
 /* --- set-up -------------------------------------------------------------------------------------------------------------- */
@@ -242,6 +248,8 @@ enum gd_status gd__wavefront_open(struct gd__wavefront *front, const struct gd__
     front->work_limit = propagation->work_limit ? propagation->work_limit : work_limit(front->mesh);
     front->narrowest = front->seed_count > 1 ? GD_TOL_NARROW : GD_TOL_WIDTH;
     front->bound = propagation->radius;
+    front->takes_all = !front->domain && !front->guide && !front->near && !propagation->begun && !propagation->target &&
+                       propagation->radius >= GD__FAR;
     aim(front, propagation->target);
     return status;
 }

@@ -25,6 +25,7 @@ struct gd__seed {
     double offset;
     struct gd_point end;
     bool is_segment;
+    uint32_t face; /* that a segment runs across; GD_NONE: along an edge. Found when a field indexes its seeds */
 };
 
 /* The means by which useless work is avoided; all false: the fastest choice. Results are the same with any of them changed: they exist to be
@@ -93,6 +94,7 @@ struct gd__wavefront {
     double bound;     /* nothing farther is wanted; shrinks towards the target's distance */
     double
         inner; /* resume.c, while it looks for what a bound kept back: what surely was within that bound is not wanted again; 0: all is wanted */
+    bool takes_all;            /* lists take whatever is offered, from near and far */
     uint32_t target_corner[4]; /* vertices of the target's faces, GD_NONE fills */
     double target_leg[4];      /* and their distances from the target within a face */
 
@@ -211,8 +213,41 @@ static inline struct gd__receiver gd__wavefront_receiver(const struct gd__wavefr
 /* Offers a side new windows (used up: their order stays, their ends may be cut), and queues the side. */
 void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receiver *to, struct gd__children *windows);
 
-/* The same of one window. */
-void gd__wavefront_offer(struct gd__wavefront *front, const struct gd__receiver *to, const struct gd__window *window);
+/* Before the list of a side takes so many windows in. */
+static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struct gd__list *list, uint32_t side,
+                                              uint32_t falls, uint32_t count)
+{
+    front->effort.windows_created += count;
+    gd__workspace_touch(front->work, side, !list->touched);
+    list->touched = true;
+    if (!list->count || falls < list->falls) list->falls = falls;
+}
+
+/* The turn of a side that is offered one window comes by the distance in its middle: as good an order as by the distances of the side's ends, which nobody
+ * has to look up then. */
+static inline double gd__window_key(const struct gd__window *window)
+{
+    return gd__window_distance(window, 0.5 * (window->b0 + window->b1));
+}
+
+/* gd__wavefront_offer where windows wait already, or not all are wanted. */
+void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, const struct gd__window *window);
+
+/* Offers a side one window. */
+static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    if (!front->takes_all || front->lists[side].count) {
+        gd__wavefront_offer_with_care(front, side, window);
+        return;
+    }
+    struct gd__list *list = &front->lists[side];
+    gd__wavefront_note_windows(front, list, side, front->falls, 1);
+    enum gd_status status = gd__list_begin(list, &front->work->pool, window);
+    if (status)
+        front->status = status;
+    else
+        gd__queue_push(front->queue, side, gd__window_key(window), &list->bucket);
+}
 
 /* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
 void gd__emit_seeds(struct gd__wavefront *front);

@@ -50,16 +50,16 @@ static inline double gd__window_distance_beyond(const struct gd__window *w, doub
     return w->sigma + sqrt(dx * dx + dy * dy);
 }
 
-static inline double gd__window_distance(const struct gd__window *w, double t)
-{
-    return gd__window_distance_beyond(w, t, 0);
-}
-
 /* The same of a window that is not linear. */
 static inline double gd__window_distance_of_point(const struct gd__window *w, double t)
 {
     double d = t - w->x;
     return w->sigma + sqrt(d * d + w->y * w->y);
+}
+
+static inline double gd__window_distance(const struct gd__window *w, double t)
+{
+    return gd__window_is_linear(w) ? w->sigma - w->x * t : gd__window_distance_of_point(w, t);
 }
 
 /* Shortest distance that the window gives anywhere on its interval. */
