@@ -3,8 +3,11 @@
 
 #include "field/layout.h"
 #include "mesh/segment.h"
+#include "wedge/asking.h"
 
-enum { DIGIT_BITS = 11, DIGIT = 1 << DIGIT_BITS, FEW = 32 /* are sorted in place */ };
+enum { DIGIT_BITS = 11, DIGIT = 1 << DIGIT_BITS, DIGITS = 3, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
+
+/* --- by face --------------------------------------------------------------------------------------------------------------- */
 
 /* Where a seed is inside of, or GD_NONE twice. False: a segment in no face. */
 static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed, struct gd__home *home)
@@ -13,11 +16,6 @@ static bool home_of(const struct gd_mesh *mesh, const struct gd__seed *seed, str
     home->face = seed->point.kind == GD_POINT_FACE ? seed->point.element : GD_NONE;
     home->edge = seed->point.kind == GD_POINT_EDGE ? seed->point.element : GD_NONE;
     return true;
-}
-
-static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
-{
-    if (face != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
 static void insert_in_place(struct gd__face_seed *list, uint32_t count)
@@ -30,46 +28,58 @@ static void insert_in_place(struct gd__face_seed *list, uint32_t count)
     }
 }
 
-/* Orders `from` into `to` by one digit of the face. */
-static void sort_by_digit(const struct gd__face_seed *from, struct gd__face_seed *to, uint32_t count, int shift)
+/* Where those of each digit begin, from how many there are. */
+static void place_digits(uint32_t place[DIGIT])
 {
-    uint32_t place[DIGIT] = {0}, before = 0;
-    for (uint32_t i = 0; i < count; i++) place[from[i].face >> shift & (DIGIT - 1)]++;
+    uint32_t before = 0;
     for (int digit = 0; digit < DIGIT; digit++) {
         uint32_t here = place[digit];
         place[digit] = before;
         before += here;
     }
-    for (uint32_t i = 0; i < count; i++) to[place[from[i].face >> shift & (DIGIT - 1)]++] = from[i];
 }
 
-/* By face; those of one face stay in their order. O(n) a digit. GD_NO_MEMORY. */
+static uint32_t digit_of(uint32_t face, int i)
+{
+    return face >> (i * DIGIT_BITS) & (DIGIT - 1);
+}
+
+/* By face; those of one face stay in their order. O(n). GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
-    uint32_t count = field->face_seed_count;
-    if (count <= FEW) {
-        insert_in_place(field->face_seeds, count);
-        return GD_OK;
-    }
-    struct gd__face_seed *sorted = malloc(sizeof *sorted * 2 * field->seed_count), *from = field->face_seeds;
-    if (!sorted) return GD_NO_MEMORY;
-    for (int shift = 0; shift < 32 && field->mesh->face_count >> shift; shift += DIGIT_BITS) {
-        sort_by_digit(from, sorted, count, shift);
-        field->face_seeds = sorted;
-        sorted = from;
+    uint32_t count = field->face_seed_count, place[DIGITS][DIGIT] = {{0}};
+    struct gd__face_seed *to = malloc(sizeof *to * 2 * field->seed_count), *from = field->face_seeds;
+    if (!to) return GD_NO_MEMORY;
+    int digits = 1;
+    while (digits < DIGITS && field->mesh->face_count >> (digits * DIGIT_BITS)) digits++;
+    for (uint32_t i = 0; i < count; i++)
+        for (int d = 0; d < digits; d++) place[d][digit_of(from[i].face, d)]++;
+    for (int d = 0; d < digits; d++) {
+        place_digits(place[d]);
+        for (uint32_t i = 0; i < count; i++) to[place[d][digit_of(from[i].face, d)]++] = from[i];
+        field->face_seeds = to;
+        to = from;
         from = field->face_seeds;
     }
-    free(sorted);
+    free(to);
     return GD_OK;
 }
 
-enum gd_status gd__field_open_index(struct gd_field *field)
+/* --- taking them in ------------------------------------------------------------------------------------------------------ */
+
+static enum gd_status open_index(struct gd_field *field)
 {
     field->face_seeds = malloc(sizeof *field->face_seeds * 2 * field->seed_count);
     return field->face_seeds ? GD_OK : GD_NO_MEMORY;
 }
 
-bool gd__field_index_seed(struct gd_field *field, uint32_t seed)
+static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
+{
+    if (face != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
+}
+
+/* False: a segment in no face. */
+static bool enter_seed(struct gd_field *field, uint32_t seed)
 {
     struct gd__seed *s = &field->seeds[seed];
     struct gd__home home;
@@ -82,18 +92,69 @@ bool gd__field_index_seed(struct gd_field *field, uint32_t seed)
     return true;
 }
 
-enum gd_status gd__field_close_index(struct gd_field *field)
+static enum gd_status close_index(struct gd_field *field)
 {
-    return sort_by_face(field);
+    if (field->face_seed_count > FEW) return sort_by_face(field);
+    insert_in_place(field->face_seeds, field->face_seed_count);
+    return GD_OK;
 }
 
 enum gd_status gd__field_index_seeds(struct gd_field *field)
 {
-    enum gd_status status = gd__field_open_index(field);
+    enum gd_status status = open_index(field);
     for (uint32_t i = 0; i < field->seed_count && !status; i++)
-        if (!gd__field_index_seed(field, i)) status = GD_INVALID_ARGUMENT;
-    return status ? status : gd__field_close_index(field);
+        if (!enter_seed(field, i)) status = GD_INVALID_ARGUMENT;
+    return status ? status : close_index(field);
 }
+
+static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double unit)
+{
+    memset(to, 0, sizeof *to); /* its gaps, too: they are written to images */
+    to->point = from->point;
+    to->offset = from->offset / unit;
+    to->is_segment = from->is_segment;
+    if (from->is_segment) to->end = from->end;
+}
+
+/* Asks for the faces of an edge: those of a curve are nowhere near each other in memory. */
+GD__ASKING ask_for_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
+{
+    if (seed->point.kind == GD_POINT_EDGE) __builtin_prefetch(&mesh->side_face[2 * seed->point.element]);
+}
+
+/* Checks, copies and enters each while it is at hand. */
+static enum gd_status take_each(struct gd_field *field, const struct gd_field_request *request,
+                                struct gd_detail *detail)
+{
+    for (uint32_t i = 0; i < request->seed_count; i++) {
+        const struct gd_seed *seed = &request->seeds[i];
+        if (i + SEEDS_AHEAD < request->seed_count) ask_for_faces(field->mesh, seed + SEEDS_AHEAD);
+        if (!(seed->offset >= 0 && isfinite(seed->offset)))
+            return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
+                           i);
+        copy_seed(&field->seeds[i], seed, field->mesh->unit);
+        if (!enter_seed(field, i))
+            return gd_fail(detail, GD_INVALID_ARGUMENT,
+                           "source %u: a segment must join two different points of one face", i);
+    }
+    return GD_OK;
+}
+
+enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_field_request *request,
+                                    struct gd_detail *detail)
+{
+    field->seed_count = request->seed_count;
+    field->seeds = malloc(request->seed_count * sizeof *field->seeds);
+    enum gd_status status = field->seeds ? open_index(field) : GD_NO_MEMORY;
+    if (!status) {
+        status = take_each(field, request, detail);
+        if (status) return status;
+        status = close_index(field);
+    }
+    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
+}
+
+/* --- looking them up ----------------------------------------------------------------------------------------------------- */
 
 const struct gd__face_seed *gd__field_seeds_in(const struct gd_field *field, uint32_t face)
 {

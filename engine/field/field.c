@@ -3,9 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "wedge/asking.h"
-
-#define SEEDS_AHEAD 24
 #define CHECK_PARTS 8
 #define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */
 
@@ -17,44 +14,6 @@ static enum gd_status check_request(const struct gd_field_request *request, stru
     if (!(request->radius >= 0))
         return gd_fail(detail, GD_INVALID_ARGUMENT, "the radius must be zero (no limit) or more");
     return GD_OK;
-}
-
-/* In inside terms. */
-static void copy_seed(struct gd__seed *to, const struct gd_seed *from, double unit)
-{
-    memset(to, 0, sizeof *to); /* its gaps, too: they are written to images */
-    to->point = from->point;
-    to->offset = from->offset / unit;
-    to->is_segment = from->is_segment;
-    if (from->is_segment) to->end = from->end;
-}
-
-/* Asks for the faces of an edge: those of a curve are nowhere near each other in memory. */
-GD__ASKING ask_for_faces(const struct gd_mesh *mesh, const struct gd_seed *seed)
-{
-    if (seed->point.kind == GD_POINT_EDGE) __builtin_prefetch(&mesh->side_face[2 * seed->point.element]);
-}
-
-/* Checks, copies and indexes each seed while it is at hand. */
-static enum gd_status take_seeds(struct gd_field *field, const struct gd_field_request *request,
-                                 struct gd_detail *detail)
-{
-    uint32_t count = field->seed_count = request->seed_count;
-    field->seeds = malloc(count * sizeof *field->seeds);
-    enum gd_status status = field->seeds ? gd__field_open_index(field) : GD_NO_MEMORY;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        const struct gd_seed *seed = &request->seeds[i];
-        if (i + SEEDS_AHEAD < count) ask_for_faces(field->mesh, seed + SEEDS_AHEAD);
-        copy_seed(&field->seeds[i], seed, field->mesh->unit);
-        if (!(seed->offset >= 0 && isfinite(seed->offset)))
-            return gd_fail(detail, GD_INVALID_ARGUMENT, "source %u: the offset must be a finite number, zero or more",
-                           i);
-        if (!gd__field_index_seed(field, i))
-            return gd_fail(detail, GD_INVALID_ARGUMENT,
-                           "source %u: a segment must join two different points of one face", i);
-    }
-    if (!status) status = gd__field_close_index(field);
-    return status ? gd_fail(detail, status, "%s", gd_status_sentence(status)) : GD_OK;
 }
 
 size_t gd__field_bytes(const struct gd_field *field)
@@ -155,7 +114,7 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
     if (status) return status;
     struct gd_field *field = gd__field_create(mesh);
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
-    status = take_seeds(field, request, detail);
+    status = gd__field_take_seeds(field, request, detail);
     if (!status) {
         status = propagate(field, request, without_wedges, control, executor);
         if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));

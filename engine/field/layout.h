@@ -81,11 +81,10 @@ struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 /* face_seeds.c: fills face_seeds from the seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: a segment that lies in no face. O(n). */
 GD_MUST_USE enum gd_status gd__field_index_seeds(struct gd_field *field);
 
-/* The same one seed after the other, for who comes by all of them anyway: makes room for seed_count seeds (GD_NO_MEMORY), takes each in its turn (false: a
- * segment that lies in no face), and sorts them (GD_NO_MEMORY). */
-GD_MUST_USE enum gd_status gd__field_open_index(struct gd_field *field);
-bool gd__field_index_seed(struct gd_field *field, uint32_t seed);
-GD_MUST_USE enum gd_status gd__field_close_index(struct gd_field *field);
+/* face_seeds.c: copies the seeds of a request, in inside terms, and fills face_seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: an offset that is negative or not finite,
+ * a segment that lies in no face. O(n). */
+GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_field_request *request,
+                                                struct gd_detail *detail);
 
 /* field.c: what the arrays take. */
 size_t gd__field_bytes(const struct gd_field *field);

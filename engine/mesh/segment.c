@@ -23,19 +23,9 @@ bool gd__face_contains(const struct gd_mesh *mesh, uint32_t face, const struct g
     return false;
 }
 
-/* Of two edges: most segments of a curve join such, and their faces need not be looked at. Without branches: either face is as likely. */
-static uint32_t face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
-{
-    const uint32_t *of_p = &mesh->side_face[2 * p], *of_q = &mesh->side_face[2 * q];
-    bool first = (of_p[0] != GD_NONE) & ((of_p[0] == of_q[0]) | (of_p[0] == of_q[1])),
-         second = (of_p[1] == of_q[0]) | (of_p[1] == of_q[1]);
-    uint32_t otherwise = second ? of_p[1] : GD_NONE;
-    return first ? of_p[0] : otherwise;
-}
-
 uint32_t gd__common_face(const struct gd_mesh *mesh, const struct gd_point *p, const struct gd_point *q)
 {
-    if (p->kind == GD_POINT_EDGE && q->kind == GD_POINT_EDGE) return face_of_edges(mesh, p->element, q->element);
+    if (p->kind == GD_POINT_EDGE && q->kind == GD_POINT_EDGE) return gd__face_of_edges(mesh, p->element, q->element);
     if (p->kind == GD_POINT_FACE) return gd__face_contains(mesh, p->element, q) ? p->element : GD_NONE;
     if (q->kind != GD_POINT_VERTEX && p->kind == GD_POINT_VERTEX) return gd__common_face(mesh, q, p);
     uint32_t begin = 2 * p->element, end = begin + 2;
@@ -59,8 +49,8 @@ uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, 
     return side == GD_NONE ? GD_NONE : side >> 1;
 }
 
-bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                      struct gd__home *out)
+bool gd__segment_home_anywhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                               struct gd__home *out)
 {
     struct gd__home home = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;

@@ -21,8 +21,29 @@ struct gd__home {
 };
 
 /* The home of the segment from a to b; false where they are one point or no face contains both. O(1), O(fan) between vertices. */
-bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                      struct gd__home *out);
+bool gd__segment_home_anywhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                               struct gd__home *out);
+
+/* A face that two different edges have in common, without looking at faces; GD_NONE: there is none. Without branches: either face is as likely. */
+static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
+{
+    const uint32_t *of_p = &mesh->side_face[2 * p], *of_q = &mesh->side_face[2 * q];
+    bool first = (of_p[0] != GD_NONE) & ((of_p[0] == of_q[0]) | (of_p[0] == of_q[1])),
+         second = (of_p[1] == of_q[0]) | (of_p[1] == of_q[1]);
+    uint32_t otherwise = second ? of_p[1] : GD_NONE;
+    return first ? of_p[0] : otherwise;
+}
+
+/* The same; most segments of a curve join two edges. */
+static inline bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                                    struct gd__home *out)
+{
+    bool join_edges = a->kind == GD_POINT_EDGE && b->kind == GD_POINT_EDGE && a->element != b->element;
+    if (!join_edges) return gd__segment_home_anywhere(mesh, a, b, out);
+    out->edge = GD_NONE;
+    out->face = gd__face_of_edges(mesh, a->element, b->element);
+    return out->face != GD_NONE;
+}
 
 /* A point of an edge's segment, or of an edge: its place on the edge, from the origin of the edge's side 0. */
 double gd__edge_parameter(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point);

@@ -108,7 +108,7 @@ static void emit_vertex(struct gd__wavefront *front, uint32_t vertex)
     *gd__wavefront_emitted(front, vertex) = front->distance[vertex];
     front->effort.vertices_emitted++;
     bool boundary = mesh->vertex_kind[vertex] == GD_VERTEX_BOUNDARY, is_seed = is_seed_vertex(front, vertex);
-    if (boundary || is_seed) reach_all_neighbours(front, vertex);
+    if (boundary) reach_all_neighbours(front, vertex);
     if (is_seed || front->methods.no_cone) {
         emit_cone(front, vertex, 0, total);
         return;

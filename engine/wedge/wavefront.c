@@ -186,7 +186,7 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, c
     gd__wavefront_note_windows(front, list, side, front->falls, 1);
     front->status = gd__list_add_one(list, &front->work->pool, window,
                                      front->narrowest * front->mesh->side[side].length, &front->work->scratch);
-    if (!front->status) gd__queue_push(front->queue, side, gd__window_key(window), &list->bucket);
+    if (!front->status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
 /* --- set-up -------------------------------------------------------------------------------------------------------------- */

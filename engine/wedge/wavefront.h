@@ -223,17 +223,11 @@ static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struc
     if (!list->count || falls < list->falls) list->falls = falls;
 }
 
-/* The turn of a side that is offered one window comes by the distance in its middle: as good an order as by the distances of the side's ends, which nobody
- * has to look up then. */
-static inline double gd__window_key(const struct gd__window *window)
-{
-    return gd__window_distance(window, 0.5 * (window->b0 + window->b1));
-}
-
 /* gd__wavefront_offer where windows wait already, or not all are wanted. */
 void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, const struct gd__window *window);
 
-/* Offers a side one window. */
+/* Offers a side one window. The side is queued by the distance in its middle: as good an order as that by the distances of the side's ends, which nobody has to look
+ * up then. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     if (!front->takes_all || front->lists[side].count) {
@@ -246,7 +240,7 @@ static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t sid
     if (status)
         front->status = status;
     else
-        gd__queue_push(front->queue, side, gd__window_key(window), &list->bucket);
+        gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
 /* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */

@@ -62,6 +62,11 @@ static inline double gd__window_distance(const struct gd__window *w, double t)
     return gd__window_is_linear(w) ? w->sigma - w->x * t : gd__window_distance_of_point(w, t);
 }
 
+static inline double gd__window_distance_in_middle(const struct gd__window *w)
+{
+    return gd__window_distance(w, 0.5 * (w->b0 + w->b1));
+}
+
 /* Shortest distance that the window gives anywhere on its interval. */
 static inline double gd__window_nearest(const struct gd__window *w)
 {
