@@ -319,6 +319,89 @@ static void blocks_grow(void **state)
     }
 }
 
+/* --- one window ---------------------------------------------------------------------------------------------------------- */
+
+static void insert_one(void)
+{
+    const struct gd__window *w = &offered.windows[offered.count - 1];
+    check_ok(list.count ? gd__list_add_one(&list, &pool, w, WIDTH, &scratch) : gd__list_begin(&list, &pool, w), NULL);
+    assert_true(list.count + GD__WINDOWS_GROUP <= gd__list_capacity(&list));
+}
+
+static void one_by_one_gives_the_envelope(void **state)
+{
+    (void)state;
+    struct rng rng = {21};
+    for (int round = 0; round < 3000; round++) {
+        empty_list();
+        for (uint32_t i = 0; i < OFFERED; i++) {
+            append_window(&offered, random_window(&rng, i));
+            insert_one();
+            check_list();
+        }
+        check_pieces(&actual, &offered);
+    }
+}
+
+/* A line at right angles to some direction, as near as the points of random_window. */
+static struct gd__window random_line(struct rng *rng, uint32_t source)
+{
+    struct gd__window w = random_window(rng, source | GD__SOURCE_LINEAR);
+    double angle = rng_between(rng, 0.01, 3.13);
+    w.x = cos(angle);
+    w.y = sin(angle);
+    w.sigma = 1 + rng_between(rng, 0, 0.5);
+    return w;
+}
+
+static void lines_one_by_one_give_the_envelope(void **state)
+{
+    (void)state;
+    struct rng rng = {22};
+    for (int round = 0; round < 3000; round++) {
+        empty_list();
+        for (uint32_t i = 0; i < OFFERED; i++) {
+            append_window(&offered, rng_below(&rng, 3) ? random_line(&rng, i) : random_window(&rng, i));
+            insert_one();
+            check_list();
+        }
+    }
+}
+
+/* Ties stay with what is there, what begins where another one ends is no overlap, and windows of one source become one. */
+static void one_window_beside_others(void **state)
+{
+    (void)state;
+    append_window(&offered, (struct gd__window){.b0 = 0.2, .b1 = 0.6, .x = 0.5, .y = 1, .source = 0});
+    insert_one();
+    append_window(&offered, (struct gd__window){.b0 = 0.1, .b1 = 0.7, .x = 0.5, .y = 1, .source = 1});
+    insert_one();
+    append_window(&offered, (struct gd__window){.b0 = 0.7, .b1 = 0.9, .x = 0.5, .y = 1, .source = 1});
+    insert_one();
+    struct gd__windows w = gd__list_windows(&list);
+    const double from[3] = {0.1, 0.2, 0.6}, to[3] = {0.2, 0.6, 0.9};
+    assert_int_equal(list.count, 3);
+    for (uint32_t i = 0; i < 3; i++) assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
+}
+
+/* Beside three others nine parts are the most: more than the smallest block has room for. */
+static void one_window_may_leave_nine_parts(void **state)
+{
+    (void)state;
+    const struct gd__window windows[4] = {{.b0 = 0.1, .b1 = 0.3, .x = 0.19, .y = 1e-4, .sigma = 0.72, .source = 0},
+                                          {.b0 = 0.4, .b1 = 0.6, .x = 0.48, .y = 1e-4, .sigma = 0.47, .source = 1},
+                                          {.b0 = 0.7, .b1 = 0.95, .x = 0.85, .y = 30, .sigma = -29.69, .source = 2},
+                                          {.b0 = 0, .b1 = 1, .x = 0.85, .y = 0.3, .source = 3}};
+    for (int i = 0; i < 4; i++) {
+        append_window(&offered, windows[i]);
+        insert_one();
+    }
+    const uint32_t sources[9] = {3, 0, 3, 1, 3, 2, 3, 2, 3};
+    assert_int_equal(list.count, 9);
+    check_list();
+    for (int i = 0; i < 9; i++) assert_int_equal(actual.windows[i].source, sources[i]);
+}
+
 /* --- memory -------------------------------------------------------------------------------------------------------------- */
 
 /* Windows side by side, one at a time, until the budget is spent: what was there stays. */
@@ -369,6 +452,10 @@ int main(void)
         WITH_LIST(keeps_neighbours_apart_if_told),
         WITH_LIST(neighbours_that_see_one_source_become_one),
         WITH_LIST(blocks_grow),
+        WITH_LIST(one_by_one_gives_the_envelope),
+        WITH_LIST(lines_one_by_one_give_the_envelope),
+        WITH_LIST(one_window_beside_others),
+        WITH_LIST(one_window_may_leave_nine_parts),
         WITH_LIST(budget_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
