@@ -44,7 +44,7 @@ static uint32_t digit_of(uint32_t face, int i)
     return face >> (i * DIGIT_BITS) & (DIGIT - 1);
 }
 
-/* By face; those of one face stay in their order. O(n). GD_NO_MEMORY. */
+/* By face; those of one face stay in their order. O(n), and 2,048 steps a digit. GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
     uint32_t count = field->face_seed_count, place[DIGITS][DIGIT] = {{0}};

@@ -1,7 +1,6 @@
 #include "field/layout.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define CHECK_PARTS 8
 #define CHECK_LEAST 30000 /* edges; fewer are checked before a second thread has begun */

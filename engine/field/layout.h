@@ -78,10 +78,11 @@ GD_MUST_USE enum gd_status gd__field_propagate(struct gd_field *field, const str
 /* field.c: a field without arrays that retains the mesh and has one reference; NULL without memory. */
 struct gd_field *gd__field_create(const struct gd_mesh *mesh);
 
-/* face_seeds.c: fills face_seeds from the seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: a segment that lies in no face. O(n). */
+/* face_seeds.c: fills face_seeds and has_segments from the seeds, and tells each segment its face, but for an image's, which is not written to.
+ * GD_NO_MEMORY; GD_INVALID_ARGUMENT: a segment that lies in no face. O(n). */
 GD_MUST_USE enum gd_status gd__field_index_seeds(struct gd_field *field);
 
-/* face_seeds.c: copies the seeds of a request, in inside terms, and fills face_seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: an offset that is negative or not finite,
+/* face_seeds.c: copies the seeds of a request, in inside terms, and indexes them as gd__field_index_seeds. GD_NO_MEMORY; GD_INVALID_ARGUMENT: an offset that is negative or not finite,
  * a segment that lies in no face. O(n). */
 GD_MUST_USE enum gd_status gd__field_take_seeds(struct gd_field *field, const struct gd_field_request *request,
                                                 struct gd_detail *detail);

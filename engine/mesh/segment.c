@@ -49,8 +49,8 @@ uint32_t gd__edge_between(const struct gd_mesh *mesh, const struct gd_point *a, 
     return side == GD_NONE ? GD_NONE : side >> 1;
 }
 
-bool gd__segment_home_anywhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                               struct gd__home *out)
+bool gd__segment_home_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                                struct gd__home *out)
 {
     struct gd__home home = {GD_NONE, GD_NONE};
     if (gd_point_equal(a, b)) return false;

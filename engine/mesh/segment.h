@@ -20,10 +20,6 @@ struct gd__home {
     uint32_t face; /* GD_NONE: along an edge */
 };
 
-/* The home of the segment from a to b; false where they are one point or no face contains both. O(1), O(fan) between vertices. */
-bool gd__segment_home_anywhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
-                               struct gd__home *out);
-
 /* A face that two different edges have in common, without looking at faces; GD_NONE: there is none. Without branches: either face is as likely. */
 static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p, uint32_t q)
 {
@@ -34,15 +30,20 @@ static inline uint32_t gd__face_of_edges(const struct gd_mesh *mesh, uint32_t p,
     return first ? of_p[0] : otherwise;
 }
 
-/* The same; most segments of a curve join two edges. */
+/* gd__segment_home of one that does not join two edges. */
+bool gd__segment_home_elsewhere(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
+                                struct gd__home *out);
+
+/* The home of the segment from a to b; false, and `out` untouched, where they are one point or no face contains both. O(1), O(fan) between vertices. Most
+ * segments of a curve join two edges. */
 static inline bool gd__segment_home(const struct gd_mesh *mesh, const struct gd_point *a, const struct gd_point *b,
                                     struct gd__home *out)
 {
     bool join_edges = a->kind == GD_POINT_EDGE && b->kind == GD_POINT_EDGE && a->element != b->element;
-    if (!join_edges) return gd__segment_home_anywhere(mesh, a, b, out);
-    out->edge = GD_NONE;
-    out->face = gd__face_of_edges(mesh, a->element, b->element);
-    return out->face != GD_NONE;
+    if (!join_edges) return gd__segment_home_elsewhere(mesh, a, b, out);
+    uint32_t face = gd__face_of_edges(mesh, a->element, b->element);
+    if (face != GD_NONE) *out = (struct gd__home){.edge = GD_NONE, .face = face};
+    return face != GD_NONE;
 }
 
 /* A point of an edge's segment, or of an edge: its place on the edge, from the origin of the edge's side 0. */

@@ -227,13 +227,6 @@ BOTH_KINDS enum winner winner_at(const struct gd__window *c, const struct gd__wi
     return winner_of(difference, scale);
 }
 
-/* The same of two linear windows. */
-static enum winner winner_of_lines(const struct gd__window *c, const struct gd__window *o, double t)
-{
-    double to_c = c->x * t, to_o = o->x * t;
-    return winner_of((c->sigma - to_c) - (o->sigma - to_o), fabs(c->sigma) + fabs(to_c) + fabs(o->sigma) + fabs(to_o));
-}
-
 /* Where the winner changes exactly once but the quadratic is too ill-conditioned to say where. */
 BOTH_KINDS double bisect(const struct gd__window *c, const struct gd__window *o, double lo, double hi,
                          enum winner at_lo, bool linear)
@@ -328,7 +321,7 @@ static struct gd__verdict contest_linear(const struct gd__window *c, const struc
 /* Two lines: who is nearer at both ends is so all along. */
 static struct gd__verdict contest_lines(const struct gd__window *c, const struct gd__window *o, double lo, double hi)
 {
-    enum winner at_lo = winner_of_lines(c, o, lo), at_hi = winner_of_lines(c, o, hi);
+    enum winner at_lo = winner_at(c, o, lo, true), at_hi = winner_at(c, o, hi, true);
     if (at_lo == at_hi && at_lo != TIE) return all_to(at_lo);
     return contest_linear(c, o, lo, hi);
 }

@@ -6,7 +6,10 @@
 #include "mesh/segment.h"
 #include "wedge/wavefront.h"
 
-enum { GD__LAID_LAST = 4 };
+enum {
+    GD__LAID_AHEAD = 1,                 /* segments are laid before their turn, so that their square roots are there */
+    GD__LAID_LAST = 4 * GD__LAID_AHEAD, /* are kept: a joint's two, and those ahead; a power of two */
+};
 
 /* A segment as it lies on the surface. */
 struct gd__laid {
@@ -17,8 +20,7 @@ struct gd__laid {
     struct gd__chord chord[3]; /* across a face: in the frames of its sides */
 };
 
-/* The segments laid last. One of a curve is asked for three times in a row, by itself and by its ends; and it is laid some time before, so that nobody has to
- * wait for it. */
+/* The segments laid last: one of a curve is asked for three times in a row, by itself and by its ends. */
 struct gd__laying {
     struct gd__laid last[GD__LAID_LAST];
 };
@@ -32,7 +34,7 @@ static inline void gd__laying_begin(struct gd__laying *laying)
 /* Lays the segment that a seed is. */
 void gd__lay_anew(const struct gd__wavefront *front, struct gd__laid *laid, uint32_t seed);
 
-/* The same if it is not laid yet. Good until a segment is laid that is seed + 2 GD__LAID_LAST. */
+/* The segment that a seed is. Good until another seed is asked for of which half the number has the same rest by GD__LAID_LAST. */
 static inline const struct gd__laid *gd__lay(const struct gd__wavefront *front, struct gd__laying *laying,
                                              uint32_t seed)
 {
@@ -41,63 +43,66 @@ static inline const struct gd__laid *gd__lay(const struct gd__wavefront *front, 
     return laid;
 }
 
+/* The segments that end at the point that a seed is, and stand before and behind it in the list of seeds (gd_curve_seeds). */
+struct gd__joint {
+    const struct gd__laid *segment[2]; /* NULL: there is none */
+    double turned[2];                  /* 1: the segment goes off from here, -1: it comes here */
+};
+
+static inline struct gd__joint gd__joint_of(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
+{
+    const struct gd__seed *at = &front->seeds[seed];
+    struct gd__joint joint = {{NULL, NULL}, {0, 0}};
+    for (uint32_t i = 0; i < 2; i++) {
+        uint32_t beside = seed - 1 + 2 * i; /* none before the first */
+        if (beside >= front->seed_count) continue;
+        const struct gd__seed *s = &front->seeds[beside];
+        if (!s->is_segment || s->offset != at->offset) continue;
+        bool comes = gd_point_equal(&s->end, &at->point);
+        if (!comes && !gd_point_equal(&s->point, &at->point)) continue;
+        joint.segment[i] = gd__lay(front, laying, beside);
+        joint.turned[i] = comes ? -1 : 1;
+    }
+    return joint;
+}
+
+/* Where the segments of a joint go off from it, in the frame of a side: unit vectors. Zero where there is none: nothing is ahead along that. */
+struct gd__spread {
+    struct gd__local along[2];
+};
+
 static inline struct gd__local gd__turned(struct gd__local along, double by)
 {
     return (struct gd__local){by * along.x, by * along.y};
 }
 
-/* Where the segments of a joint go off from it, in the frame of a side: unit vectors; zero, which nothing lies ahead along, where there is none. They end at
- * the joint and stand before and behind it in the list of seeds (gd_curve_seeds). */
-struct gd__spread {
-    struct gd__local along[2];
-};
-
-/* The segment that a seed beside a joint is, if it ends there, and `turned`: -1 if it comes there, 1 if it goes off. NULL: none. */
-static inline const struct gd__laid *gd__segment_of_joint(const struct gd__wavefront *front, struct gd__laying *laying,
-                                                          uint32_t joint, uint32_t seed, double *turned)
-{
-    if (seed >= front->seed_count) return NULL;
-    const struct gd__seed *s = &front->seeds[seed], *at = &front->seeds[joint];
-    if (!s->is_segment || s->offset != at->offset) return NULL;
-    bool comes = gd_point_equal(&s->end, &at->point);
-    if (!comes && !gd_point_equal(&s->point, &at->point)) return NULL;
-    *turned = comes ? -1 : 1;
-    return gd__lay(front, laying, seed);
-}
-
-/* In the frame of side k of the face that the joint lies in. */
-static inline struct gd__spread gd__spread_in_face(const struct gd__wavefront *front, struct gd__laying *laying,
-                                                   uint32_t joint, int k)
+/* The spread in the frame of side k of the face that the joint lies in. */
+static inline struct gd__spread gd__spread_in_face(const struct gd__joint *joint, int k)
 {
     struct gd__spread spread = {{{0, 0}, {0, 0}}};
-    double turned;
-    for (uint32_t i = 0; i < 2; i++) {
-        const struct gd__laid *laid = gd__segment_of_joint(front, laying, joint, joint - 1 + 2 * i, &turned);
-        if (laid) spread.along[i] = gd__turned(laid->chord[k].along, turned);
-    }
+    for (int i = 0; i < 2; i++)
+        if (joint->segment[i]) spread.along[i] = gd__turned(joint->segment[i]->chord[k].along, joint->turned[i]);
     return spread;
 }
 
 /* Where a segment runs, in the frame of one side of an edge that it ends on or runs along: the face across is laid beside the side's own. */
-static inline struct gd__local gd__direction_from_edge(const struct gd__wavefront *front, uint32_t side,
+static inline struct gd__local gd__direction_from_edge(const struct gd_mesh *mesh, uint32_t side,
                                                        const struct gd__laid *laid)
 {
     if (laid->face == GD_NONE) return (struct gd__local){side & 1 ? -laid->forward : laid->forward, 0};
-    const uint32_t *sides = front->mesh->face_side[laid->face];
+    const uint32_t *sides = mesh->face_side[laid->face];
     int k = gd__place_of_edge(sides, side >> 1);
     return gd__turned(laid->chord[k].along, 1 - 2 * (double)(sides[k] != side));
 }
 
-/* In the frame of one side of the edge that the joint lies on. */
-static inline struct gd__spread gd__spread_from_edge(const struct gd__wavefront *front, struct gd__laying *laying,
-                                                     uint32_t joint, uint32_t side)
+/* The spread in the frame of one side of the edge that the joint lies on. */
+static inline struct gd__spread gd__spread_from_edge(const struct gd_mesh *mesh, const struct gd__joint *joint,
+                                                     uint32_t side)
 {
     struct gd__spread spread = {{{0, 0}, {0, 0}}};
-    double turned;
-    for (uint32_t i = 0; i < 2; i++) {
-        const struct gd__laid *laid = gd__segment_of_joint(front, laying, joint, joint - 1 + 2 * i, &turned);
-        if (laid) spread.along[i] = gd__turned(gd__direction_from_edge(front, side, laid), turned);
-    }
+    for (int i = 0; i < 2; i++)
+        if (joint->segment[i])
+            spread.along[i] = gd__turned(gd__direction_from_edge(mesh, side, joint->segment[i]), joint->turned[i]);
     return spread;
 }
 

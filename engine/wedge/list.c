@@ -247,7 +247,9 @@ enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct
 
 /* --- one window ---------------------------------------------------------------------------------------------------------- */
 
-#define FEW 3 /* windows, whose parts beside another one have room in the smallest block */
+#define FEW        3             /* windows that another one is put among in their own block */
+#define MOST_PARTS (4 * FEW + 1) /* each is cut in three, with the new one between them and at both ends */
+_Static_assert(MOST_PARTS <= 2 * GD__WINDOWS_GROUP, "the smallest block of a list has room for them");
 
 /* Parts of windows, in order, as they are written to a list. */
 struct parts {

@@ -29,11 +29,6 @@ static inline struct gd__windows gd__list_windows(const struct gd__list *list)
 GD_MUST_USE enum gd_status gd__list_add(struct gd__list *list, struct gd__pool *pool, struct gd__children *newer,
                                         double min_width, struct gd__scratch *scratch);
 
-/* The same of one window. */
-GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
-                                            const struct gd__window *window, double min_width,
-                                            struct gd__scratch *scratch);
-
 /* The same of any list: an empty one takes the block of the windows. */
 GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, struct gd__pool *pool,
                                                          struct gd__children *newer, double min_width,
@@ -46,6 +41,11 @@ GD_MUST_USE static inline enum gd_status gd__list_insert(struct gd__list *list, 
     newer->block = NULL;
     return GD_OK;
 }
+
+/* gd__list_add of one window: among few others it is put in their own block. */
+GD_MUST_USE enum gd_status gd__list_add_one(struct gd__list *list, struct gd__pool *pool,
+                                            const struct gd__window *window, double min_width,
+                                            struct gd__scratch *scratch);
 
 /* Puts a window into an empty list. GD_NO_MEMORY, GD_BUDGET. */
 GD_MUST_USE static inline enum gd_status gd__list_begin(struct gd__list *list, struct gd__pool *pool,

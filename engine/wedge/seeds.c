@@ -4,11 +4,10 @@
 /* Seeds: what a source sees at once. A point sees its face (or the two faces of its edge, or the fan of its vertex); a segment what lies before and
  * behind it at right angles; a joint, where segments of a curve end, only what lies behind them. */
 
-#define ARRAYS        6 /* of struct gd__windows */
-#define BLOCKS_AHEAD  2
-#define EDGES_AHEAD   12 /* seeds: see prefetch_seeds */
-#define FACES_AHEAD   6
-#define SEGMENT_AHEAD 3 /* is laid */
+#define ARRAYS       6 /* of struct gd__windows */
+#define BLOCKS_AHEAD 2
+#define EDGES_AHEAD  12 /* seeds: see prefetch_seeds */
+#define FACES_AHEAD  6
 
 /* --- points -------------------------------------------------------------------------------------------------------------- */
 
@@ -67,11 +66,12 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
     const struct gd_mesh *mesh = front->mesh;
     const struct gd_point *point = &front->seeds[seed].point;
     const uint32_t *sides = mesh->face_side[point->element];
+    const struct gd__joint joint = gd__joint_of(front, laying, seed);
     struct gd__local at[3];
     struct gd__spread spread[3];
     for (int k = 0; k < 3; k++) {
         at[k] = gd__side_local(&mesh->side[sides[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        spread[k] = gd__spread_in_face(front, laying, seed, k);
+        spread[k] = gd__spread_in_face(&joint, k);
     }
     if (gd__is_straight(&spread[0])) return; /* its segments see the corners beside it, too */
     for (int k = 0; k < 3; k++) seed_apex(front, seed, sides[k], at[k], &spread[k]);
@@ -112,7 +112,8 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     const struct gd_point *point = &front->seeds[seed].point;
     uint32_t side = 2 * point->element;
     double length = front->mesh->side[side].length, t = point->weight[0] * length;
-    const struct gd__spread spread = gd__spread_from_edge(front, laying, seed, side);
+    const struct gd__joint joint = gd__joint_of(front, laying, seed);
+    const struct gd__spread spread = gd__spread_from_edge(front->mesh, &joint, side);
     if (gd__is_straight(&spread)) return; /* as in a face */
     const struct gd__spread other = gd__spread_from_other_side(spread);
     seed_corners(front, seed, side, t, &spread);
@@ -208,8 +209,8 @@ static void seed_segment(struct gd__wavefront *front, struct gd__laying *laying,
 
 /* --- all ----------------------------------------------------------------------------------------------------------------- */
 
-/* Side 0 of the edge that a joint lies on; GD_NONE: that seed is none such. */
-static uint32_t side_of_joint(const struct gd__wavefront *front, uint32_t seed)
+/* Side 0 of the edge that a seed lies on, or begins on; GD_NONE: that is none such. */
+static uint32_t side_of_seed(const struct gd__wavefront *front, uint32_t seed)
 {
     if (seed >= front->seed_count || front->seeds[seed].point.kind != GD_POINT_EDGE) return GD_NONE;
     return 2 * front->seeds[seed].point.element;
@@ -227,7 +228,7 @@ GD__ASKING prefetch_way_out(const struct gd__wavefront *front, uint32_t side)
 GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 {
     const struct gd_mesh *mesh = front->mesh;
-    uint32_t far = side_of_joint(front, seed + EDGES_AHEAD), near = side_of_joint(front, seed + FACES_AHEAD);
+    uint32_t far = side_of_seed(front, seed + EDGES_AHEAD), near = side_of_seed(front, seed + FACES_AHEAD);
     if (far != GD_NONE) {
         __builtin_prefetch(&mesh->side[far]);
         __builtin_prefetch(&mesh->side_face[far]);
@@ -244,7 +245,7 @@ GD__ASKING prefetch_seeds(const struct gd__wavefront *front, uint32_t seed)
 /* Makes ready what a joint, and the segment behind it, will take in a while. */
 static inline void look_ahead(const struct gd__wavefront *front, struct gd__laying *laying, uint32_t joint)
 {
-    uint32_t segment = joint + SEGMENT_AHEAD;
+    uint32_t segment = joint + 1 + 2 * GD__LAID_AHEAD;
     prefetch_seeds(front, joint);
     if (segment < front->seed_count && front->seeds[segment].is_segment) gd__lay(front, laying, segment);
 }

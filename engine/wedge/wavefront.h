@@ -25,7 +25,8 @@ struct gd__seed {
     double offset;
     struct gd_point end;
     bool is_segment;
-    uint32_t face; /* that a segment runs across; GD_NONE: along an edge. Found when a field indexes its seeds */
+    uint32_t
+        face; /* that a segment runs across; GD_NONE: along an edge. Set where seeds are indexed, before any is propagated: an image's is not used */
 };
 
 /* The means by which useless work is avoided; all false: the fastest choice. Results are the same with any of them changed: they exist to be
@@ -226,8 +227,8 @@ static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struc
 /* gd__wavefront_offer where windows wait already, or not all are wanted. */
 void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, const struct gd__window *window);
 
-/* Offers a side one window. The side is queued by the distance in its middle: as good an order as that by the distances of the side's ends, which nobody has to look
- * up then. */
+/* Offers a side one window. Where all is taken the side is queued by the distance in the window's middle: as good an order as that by the distances of the
+ * side's ends, which nobody has to look up then. */
 static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
 {
     if (!front->takes_all || front->lists[side].count) {
@@ -237,10 +238,8 @@ static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t sid
     struct gd__list *list = &front->lists[side];
     gd__wavefront_note_windows(front, list, side, front->falls, 1);
     enum gd_status status = gd__list_begin(list, &front->work->pool, window);
-    if (status)
-        front->status = status;
-    else
-        gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
+    if (!front->status) front->status = status;
+    if (!status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
 }
 
 /* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */

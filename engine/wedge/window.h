@@ -50,18 +50,20 @@ static inline double gd__window_distance_beyond(const struct gd__window *w, doub
     return w->sigma + sqrt(dx * dx + dy * dy);
 }
 
-/* The same of a window that is not linear. */
+/* Distance at parameter t of the edge, of a window that is not linear; */
 static inline double gd__window_distance_of_point(const struct gd__window *w, double t)
 {
     double d = t - w->x;
     return w->sigma + sqrt(d * d + w->y * w->y);
 }
 
+/* of any; */
 static inline double gd__window_distance(const struct gd__window *w, double t)
 {
     return gd__window_is_linear(w) ? w->sigma - w->x * t : gd__window_distance_of_point(w, t);
 }
 
+/* in the middle of its interval. */
 static inline double gd__window_distance_in_middle(const struct gd__window *w)
 {
     return gd__window_distance(w, 0.5 * (w->b0 + w->b1));

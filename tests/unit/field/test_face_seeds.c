@@ -75,7 +75,7 @@ static void check_seeds(uint32_t count, struct rng *rng)
     free(field.seeds);
 }
 
-/* Few seeds and many are sorted by different means, faces of one, two and three digits. */
+/* Few seeds and many are sorted by different means, faces of one and two digits. */
 static void each_face_knows_its_seeds(void **state)
 {
     (void)state;
@@ -86,6 +86,31 @@ static void each_face_knows_its_seeds(void **state)
         for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) check_seeds(counts[k], &rng);
         close_terrain();
     }
+}
+
+/* A surface of so many faces that it takes three digits; points inside of them is all that is asked. */
+static void faces_of_three_digits(void **state)
+{
+    (void)state;
+    enum { COUNT = 5000 };
+    struct gd_mesh huge = {.face_count = UINT32_C(1) << 31};
+    struct rng rng = {6};
+    field = (struct gd_field){.mesh = &huge, .seed_count = COUNT, .seeds = calloc(COUNT, sizeof *field.seeds)};
+    assert_non_null(field.seeds);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        uint32_t near = i ? field.seeds[rng_below(&rng, i)].point.element : 0;
+        field.seeds[i].point = (struct gd_point){
+            .kind = GD_POINT_FACE, .element = rng_below(&rng, 2) ? near : rng_below(&rng, huge.face_count)};
+    }
+    check_ok(gd__field_index_seeds(&field), NULL);
+    assert_int_equal(field.face_seed_count, COUNT);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const struct gd__face_seed *at = &field.face_seeds[i];
+        assert_int_equal(at->face, field.seeds[at->seed].point.element);
+        assert_true(!i || at[-1].face < at->face || (at[-1].face == at->face && at[-1].seed < at->seed));
+    }
+    free(field.face_seeds);
+    free(field.seeds);
 }
 
 /* The ends of a segment are one point, or lie in no common face. */
@@ -108,6 +133,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_face_knows_its_seeds),
+        cmocka_unit_test(faces_of_three_digits),
         cmocka_unit_test(segments_of_no_face),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -384,22 +384,39 @@ static void one_window_beside_others(void **state)
     for (uint32_t i = 0; i < 3; i++) assert_true(w.b0[i] == from[i] && w.b1[i] == to[i] && w.source[i] == (i != 1));
 }
 
-/* Beside three others nine parts are the most: more than the smallest block has room for. */
-static void one_window_may_leave_nine_parts(void **state)
+/* A point that three lines are nearer than at both of their ends, but not between: the most parts there can be. The block has to grow for them. */
+static void one_window_may_leave_thirteen_parts(void **state)
 {
     (void)state;
-    const struct gd__window windows[4] = {{.b0 = 0.1, .b1 = 0.3, .x = 0.19, .y = 1e-4, .sigma = 0.72, .source = 0},
-                                          {.b0 = 0.4, .b1 = 0.6, .x = 0.48, .y = 1e-4, .sigma = 0.47, .source = 1},
-                                          {.b0 = 0.7, .b1 = 0.95, .x = 0.85, .y = 30, .sigma = -29.69, .source = 2},
-                                          {.b0 = 0, .b1 = 1, .x = 0.85, .y = 0.3, .source = 3}};
-    for (int i = 0; i < 4; i++) {
-        append_window(&offered, windows[i]);
+    const struct gd__window point = {.b0 = 0, .b1 = 1, .x = 0.5, .y = 0.1, .source = 3};
+    const double from[3] = {0.05, 0.4, 0.7}, to[3] = {0.3, 0.6, 0.95};
+    for (uint32_t i = 0; i < 3; i++) { /* chords of the point's distance, a little nearer */
+        double d0 = gd__window_distance(&point, from[i]), d1 = gd__window_distance(&point, to[i]),
+               slope = (d1 - d0) / (to[i] - from[i]);
+        append_window(&offered, (struct gd__window){.b0 = from[i],
+                                                    .b1 = to[i],
+                                                    .x = -slope,
+                                                    .y = sqrt(1 - slope * slope),
+                                                    .sigma = d0 - slope * from[i] - 1e-4,
+                                                    .source = i | GD__SOURCE_LINEAR});
         insert_one();
     }
-    const uint32_t sources[9] = {3, 0, 3, 1, 3, 2, 3, 2, 3};
-    assert_int_equal(list.count, 9);
+    append_window(&offered, point);
+    insert_one();
+    assert_int_equal(list.count, 13);
     check_list();
-    for (int i = 0; i < 9; i++) assert_int_equal(actual.windows[i].source, sources[i]);
+    for (uint32_t i = 0; i < 13; i++) assert_int_equal(actual.windows[i].source == 3, i % 2 == 0);
+}
+
+static void one_by_one_they_stay_apart_if_told(void **state)
+{
+    (void)state;
+    scratch.apart = true;
+    for (int i = 0; i < 3; i++) {
+        append_window(&offered, (struct gd__window){.b0 = i / 3.0, .b1 = (i + 1) / 3.0, .x = 0.5, .y = 1});
+        insert_one();
+    }
+    assert_int_equal(list.count, 3);
 }
 
 /* --- memory -------------------------------------------------------------------------------------------------------------- */
@@ -455,7 +472,8 @@ int main(void)
         WITH_LIST(one_by_one_gives_the_envelope),
         WITH_LIST(lines_one_by_one_give_the_envelope),
         WITH_LIST(one_window_beside_others),
-        WITH_LIST(one_window_may_leave_nine_parts),
+        WITH_LIST(one_window_may_leave_thirteen_parts),
+        WITH_LIST(one_by_one_they_stay_apart_if_told),
         WITH_LIST(budget_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
