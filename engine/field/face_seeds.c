@@ -5,7 +5,7 @@
 #include "mesh/segment.h"
 #include "wedge/asking.h"
 
-enum { DIGIT_BITS = 11, DIGIT = 1 << DIGIT_BITS, DIGITS = 3, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
+enum { DIGIT_BITS = 8, DIGIT = 1 << DIGIT_BITS, FEW = 32 /* are sorted in place */, SEEDS_AHEAD = 24 };
 
 /* --- by face --------------------------------------------------------------------------------------------------------------- */
 
@@ -28,41 +28,66 @@ static void insert_in_place(struct gd__face_seed *list, uint32_t count)
     }
 }
 
-/* Where those of each digit begin, from how many there are. */
-static void place_digits(uint32_t place[DIGIT])
+/* Seeds that follow each other in one face. */
+struct run {
+    uint32_t face, first, count;
+};
+
+static uint32_t find_runs(const struct gd__face_seed *list, uint32_t count, struct run *runs)
 {
-    uint32_t before = 0;
+    uint32_t found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!found || runs[found - 1].face != list[i].face) runs[found++] = (struct run){list[i].face, i, 0};
+        runs[found - 1].count++;
+    }
+    return found;
+}
+
+/* Orders `from` into `to` by one digit of the face. */
+static void sort_by_digit(const struct run *from, struct run *to, uint32_t count, int shift)
+{
+    uint32_t place[DIGIT] = {0}, before = 0;
+    for (uint32_t i = 0; i < count; i++) place[from[i].face >> shift & (DIGIT - 1)]++;
     for (int digit = 0; digit < DIGIT; digit++) {
         uint32_t here = place[digit];
         place[digit] = before;
         before += here;
     }
+    for (uint32_t i = 0; i < count; i++) to[place[from[i].face >> shift & (DIGIT - 1)]++] = from[i];
 }
 
-static uint32_t digit_of(uint32_t face, int i)
+/* The list in the order of the runs. */
+static void put_runs(const struct run *runs, uint32_t count, const struct gd__face_seed *list,
+                     struct gd__face_seed *out)
 {
-    return face >> (i * DIGIT_BITS) & (DIGIT - 1);
+    for (const struct run *run = runs; run < runs + count; run++)
+        for (uint32_t i = run->first; i < run->first + run->count; i++) *out++ = list[i];
 }
 
-/* By face; those of one face stay in their order. O(n), and 2,048 steps a digit. GD_NO_MEMORY. */
+/* By face; those of one face stay in their order. Runs are sorted instead of seeds, as there are fewer. O(n) a digit. GD_NO_MEMORY. */
 static enum gd_status sort_by_face(struct gd_field *field)
 {
-    uint32_t count = field->face_seed_count, place[DIGITS][DIGIT] = {{0}};
-    struct gd__face_seed *to = malloc(sizeof *to * 2 * field->seed_count), *from = field->face_seeds;
-    if (!to) return GD_NO_MEMORY;
-    int digits = 1;
-    while (digits < DIGITS && field->mesh->face_count >> (digits * DIGIT_BITS)) digits++;
-    for (uint32_t i = 0; i < count; i++)
-        for (int d = 0; d < digits; d++) place[d][digit_of(from[i].face, d)]++;
-    for (int d = 0; d < digits; d++) {
-        place_digits(place[d]);
-        for (uint32_t i = 0; i < count; i++) to[place[d][digit_of(from[i].face, d)]++] = from[i];
-        field->face_seeds = to;
-        to = from;
-        from = field->face_seeds;
+    uint32_t count = field->face_seed_count;
+    struct run *room = malloc(sizeof *room * 2 * count), *runs = room;
+    struct gd__face_seed *sorted = malloc(sizeof *sorted * 2 * field->seed_count);
+    bool has_room = room && sorted;
+    if (has_room) {
+        count = find_runs(field->face_seeds, count, runs);
+        struct run *other = room + count;
+        for (int shift = 0; shift < 32 && field->mesh->face_count >> shift; shift += DIGIT_BITS) {
+            sort_by_digit(runs, other, count, shift);
+            struct run *ordered = other;
+            other = runs;
+            runs = ordered;
+        }
+        put_runs(runs, count, field->face_seeds, sorted);
+        struct gd__face_seed *unsorted = field->face_seeds;
+        field->face_seeds = sorted;
+        sorted = unsorted;
     }
-    free(to);
-    return GD_OK;
+    free(sorted);
+    free(room);
+    return has_room ? GD_OK : GD_NO_MEMORY;
 }
 
 /* --- taking them in ------------------------------------------------------------------------------------------------------ */
@@ -78,6 +103,15 @@ static void enter(struct gd_field *field, uint32_t face, uint32_t seed)
     if (face != GD_NONE) field->face_seeds[field->face_seed_count++] = (struct gd__face_seed){face, seed};
 }
 
+/* First the one that the seed before was entered in, if it is one of them: seeds of a curve come in runs. */
+static void enter_both(struct gd_field *field, const uint32_t face[2], uint32_t seed)
+{
+    uint32_t count = field->face_seed_count;
+    bool second = count && field->face_seeds[count - 1].face == face[1];
+    enter(field, face[second], seed);
+    enter(field, face[!second], seed);
+}
+
 /* False: a segment in no face. */
 static bool enter_seed(struct gd_field *field, uint32_t seed)
 {
@@ -87,8 +121,7 @@ static bool enter_seed(struct gd_field *field, uint32_t seed)
     field->has_segments |= s->is_segment;
     if (s->is_segment && !field->is_image) s->face = home.face; /* images are not written to, and not propagated from */
     enter(field, home.face, seed);
-    for (uint32_t k = 0; k < 2 && home.edge != GD_NONE; k++)
-        enter(field, field->mesh->side_face[2 * home.edge + k], seed);
+    if (home.edge != GD_NONE) enter_both(field, &field->mesh->side_face[2 * home.edge], seed);
     return true;
 }
 

@@ -158,7 +158,8 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
     }
     struct gd__list *list = open_list(front, to->side);
     if (!list) return; /* what is in the pool is let go all at once */
-    gd__wavefront_note_windows(front, list, to->side, to->falls, children->count);
+    gd__wavefront_note_windows(front, list, to->side, children->count);
+    if (!list->count || to->falls < list->falls) list->falls = to->falls;
     front->status =
         gd__list_insert(list, &front->work->pool, children, front->narrowest * to->length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, to->side, key_of_list(to, list), &list->bucket);
@@ -183,7 +184,7 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, c
         return;
     }
     struct gd__list *list = &front->lists[side];
-    gd__wavefront_note_windows(front, list, side, front->falls, 1);
+    gd__wavefront_note_windows(front, list, side, 1); /* they are older, and so is list->falls */
     front->status = gd__list_add_one(list, &front->work->pool, window,
                                      front->narrowest * front->mesh->side[side].length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);

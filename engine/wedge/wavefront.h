@@ -216,12 +216,11 @@ void gd__wavefront_deliver(struct gd__wavefront *front, const struct gd__receive
 
 /* Before the list of a side takes so many windows in. */
 static inline void gd__wavefront_note_windows(struct gd__wavefront *front, struct gd__list *list, uint32_t side,
-                                              uint32_t falls, uint32_t count)
+                                              uint32_t count)
 {
     front->effort.windows_created += count;
     gd__workspace_touch(front->work, side, !list->touched);
     list->touched = true;
-    if (!list->count || falls < list->falls) list->falls = falls;
 }
 
 /* gd__wavefront_offer where windows wait already, or not all are wanted. */
@@ -236,7 +235,8 @@ static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t sid
         return;
     }
     struct gd__list *list = &front->lists[side];
-    gd__wavefront_note_windows(front, list, side, front->falls, 1);
+    gd__wavefront_note_windows(front, list, side, 1);
+    list->falls = front->falls;
     enum gd_status status = gd__list_begin(list, &front->work->pool, window);
     if (!front->status) front->status = status;
     if (!status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
