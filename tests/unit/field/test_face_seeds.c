@@ -75,7 +75,7 @@ static void check_seeds(uint32_t count, struct rng *rng)
     free(field.seeds);
 }
 
-/* Few seeds and many are sorted by different means, faces of one and two digits. */
+/* Few seeds and many are sorted by different means, faces of one, two and three digits. */
 static void each_face_knows_its_seeds(void **state)
 {
     (void)state;
@@ -88,8 +88,8 @@ static void each_face_knows_its_seeds(void **state)
     }
 }
 
-/* A surface of so many faces that it takes three digits; points inside of them is all that is asked. */
-static void faces_of_three_digits(void **state)
+/* A surface of so many faces that it takes four digits; points inside of them is all that is asked. */
+static void faces_of_four_digits(void **state)
 {
     (void)state;
     enum { COUNT = 5000 };
@@ -133,7 +133,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_face_knows_its_seeds),
-        cmocka_unit_test(faces_of_three_digits),
+        cmocka_unit_test(faces_of_four_digits),
         cmocka_unit_test(segments_of_no_face),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
