@@ -44,7 +44,7 @@ void gd__queue_set_width(struct gd__queue *queue, double bucket_width);
 /* Nothing much nearer than that key will be entered in the empty queue: it need not begin at zero, from where its ring may not reach so far. */
 void gd__queue_begin(struct gd__queue *queue, double key);
 
-/* The bucket of a key. */
+/* The bucket of a key; one that rounding has made less than zero goes to the first. */
 static inline uint32_t gd__queue_number(const struct gd__queue *queue, double key)
 {
     const double farthest = 4e9; /* below the largest bucket number */

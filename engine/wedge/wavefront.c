@@ -184,7 +184,7 @@ void gd__wavefront_offer_with_care(struct gd__wavefront *front, uint32_t side, c
         return;
     }
     struct gd__list *list = &front->lists[side];
-    gd__wavefront_note_windows(front, list, side, 1); /* they are older, and so is list->falls */
+    gd__wavefront_note_windows(front, list, side, 1); /* list->falls is of the oldest: it stays */
     front->status = gd__list_add_one(list, &front->work->pool, window,
                                      front->narrowest * front->mesh->side[side].length, &front->work->scratch);
     if (!front->status) gd__queue_push(front->queue, side, gd__window_distance_in_middle(window), &list->bucket);
