@@ -25,6 +25,12 @@
 /* ... unless the source lies within this part of the length of the edge itself: then it sees the edge at all angles. */
 #define GD_TOL_BESIDE 1e-6
 
+/* A point nearer to a vertex than this part of the least altitude of the vertex' faces is beside it:
+ * it sees out of the vertex' fan all that the vertex sees, and its rays leave the fan's edges near the
+ * vertex. From farther away the ends of windows, which are places on edges rounded by 2e-16, tell
+ * angles to 1e-13 (doc 002). */
+#define GD_TOL_BESIDE_VERTEX 1e-2
+
 /* The bisector's quadratic: a discriminant this far below zero (relative to b^2) has no root but for rounding; a root may miss the branch
  * condition by this part of its terms; its residual in the distances shows whether it is a root at all; Newton polishes it once, only where
  * there is a slope (at a tangential double root the step would jump far) and only by this part of the interval; closer roots are one. */

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mesh/canonical.h"
+
 #define FIRST_CAPACITY 64
 #define MOST_NODES     (UINT32_C(1) << 24)
 
@@ -113,7 +115,7 @@ static enum gd_status node_on_edge(struct gd__nodes *nodes, uint32_t edge, doubl
         *out = found;
         return GD_OK;
     }
-    struct gd_point point = {.kind = GD_POINT_EDGE, .element = edge, .weight = {gd__from_lattice(site.u)}};
+    struct gd_point point = gd__point_within_side(2 * edge, gd__from_lattice(site.u));
     return add(nodes, point, site, &nodes->of_edge[edge], out);
 }
 

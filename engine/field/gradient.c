@@ -1,3 +1,4 @@
+#include "field/close.h"
 #include "field/frame.h"
 #include "mesh/segment.h"
 
@@ -16,19 +17,16 @@ static struct gd_vec3 in_space(const struct gd_mesh *mesh, const struct directio
     return gd_vec3_scale(sum, 1 / gd_vec3_length(sum));
 }
 
-/* Between two points of a face, in the frame whose origin is the corner nearest to the first: there small differences of weights are kept. */
+/* Between two points of a face. */
 static struct direction between(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *from,
                                 const struct gd_point *to)
 {
     double a[3], b[3];
     gd__point_weights(mesh, from, face, a);
     gd__point_weights(mesh, to, face, b);
-    int k = a[1] > a[0] ? 1 : 0;
-    if (a[2] > a[k]) k = 2;
-    int l = (k + 1) % 3, m = (k + 2) % 3;
-    uint32_t side = mesh->face_side[face][k];
-    struct gd__local d = gd__face_local(mesh, side, (double[3]){b[k] - a[k], b[l] - a[l], b[m] - a[m]});
-    return (struct direction){side, d.x, d.y};
+    int k = gd__main_corner(a);
+    struct gd__local way = gd__way_in_face(mesh, face, k, a, b);
+    return (struct direction){mesh->face_side[face][k], way.x, way.y};
 }
 
 /* At right angles to a segment in the face; nowhere on it. */
@@ -91,10 +89,21 @@ static struct direction at_vertex(const struct gd_field *field, uint32_t vertex)
     return (struct direction){birth.side, s->left_length * s->left_x - birth.x, s->left_length * s->left_y + birth.y};
 }
 
+static struct direction from_close_seed(const struct gd_field *field, const struct gd__leg *leg,
+                                        const struct gd_point *point)
+{
+    struct gd__close close;
+    double weight[3];
+    gd__point_weights(field->mesh, point, leg->face, weight);
+    gd__close_find(field, leg->face, weight, GD__FAR, &close);
+    return (struct direction){close.side, close.way.x, close.way.y};
+}
+
 static struct direction of_leg(const struct gd_field *field, const struct gd__leg *leg, const struct gd_point *point)
 {
     if (point->kind == GD_POINT_VERTEX) return at_vertex(field, point->element);
     if (leg->kind == GD__LEG_WEDGE) return through_wedge(field->mesh, leg, point);
+    if (leg->kind == GD__LEG_CLOSE) return from_close_seed(field, leg, point);
     struct gd_point corner = {.kind = GD_POINT_VERTEX, .element = leg->from};
     const struct gd__seed *seed = leg->kind == GD__LEG_SEED ? &field->seeds[leg->from] : NULL;
     if (seed && seed->is_segment) return from_chord(field->mesh, leg->face, seed, point);

@@ -98,6 +98,7 @@ enum gd__leg_kind {
     GD__LEG_NONE,   /* no path */
     GD__LEG_VERTEX, /* straight from a vertex of the face (or it is that vertex) */
     GD__LEG_SEED,   /* straight from a seed in the face, at right angles from a segment */
+    GD__LEG_CLOSE,  /* straight from a seed close by in another face (close.h) */
     GD__LEG_WEDGE   /* across `side` at `parameter` */
 };
 
@@ -105,7 +106,7 @@ struct gd__leg {
     double distance;
     enum gd__leg_kind kind;
     uint32_t face; /* in which the leg ends */
-    uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED: the seed */
+    uint32_t from; /* GD__LEG_VERTEX: the vertex; GD__LEG_SEED, GD__LEG_CLOSE: the seed */
     uint32_t
         side; /* GD__LEG_WEDGE: side of `face`, and the wedge's source in its frame at (x, -y), y >= 0, or, of a linear one, the direction
                       towards it */

@@ -1,3 +1,4 @@
+#include "field/close.h"
 #include "field/sight.h"
 #include "mesh/segment.h"
 
@@ -104,34 +105,49 @@ static inline bool seed_takes_tie(const struct gd__way *best, double distance)
     return distance == best->distance && best->kind == GD__LEG_VERTEX;
 }
 
-/* How far a place, in the frame of the face's side 0, is from a seed in the face; infinite where a segment does not lie at right angles to it. */
+/* How far a point of a face, by its weights, is from a seed in the face; infinite where a segment does not lie at right angles to it. */
 static double distance_of_seed(const struct gd_mesh *mesh, const struct gd__seed *seed, uint32_t face,
-                               struct gd__local at)
+                               const double to[3])
 {
     if (seed->is_segment) {
+        struct gd__local at = gd__face_local(mesh, mesh->face_side[face][0], to);
         struct gd__chord chord = gd__chord(mesh, face, 0, &seed->point, &seed->end);
         double foot = gd__chord_foot(&chord, at);
         return foot >= 0 && foot <= chord.length ? fabs(gd__chord_height(&chord, at)) : GD__FAR;
     }
-    double weight[3];
-    gd__point_weights(mesh, &seed->point, face, weight);
-    struct gd__local place = gd__face_local(mesh, mesh->face_side[face][0], weight);
-    double dx = at.x - place.x, dy = at.y - place.y;
-    return sqrt(dx * dx + dy * dy);
+    double from[3];
+    gd__point_weights(mesh, &seed->point, face, from);
+    return gd__local_length(gd__way_in_face(mesh, face, gd__main_corner(from), from, to));
 }
 
-static void try_seeds(const struct gd_field *field, uint32_t face, struct gd__local at, struct gd__way *best)
+static void try_seeds(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *best)
 {
     const struct gd__face_seed *end = field->face_seeds + field->face_seed_count;
+    struct gd__close close;
     for (const struct gd__face_seed *f = gd__field_seeds_in(field, face); f < end && f->face == face; f++) {
         const struct gd__seed *seed = &field->seeds[f->seed];
-        double distance = seed->offset + distance_of_seed(field->mesh, seed, face, at);
+        double distance = seed->offset + distance_of_seed(field->mesh, seed, face, weight);
         if (distance < best->distance || seed_takes_tie(best, distance)) {
             best->distance = distance;
             best->kind = GD__LEG_SEED;
             best->from = f->seed;
         }
     }
+    if (gd__close_find(field, face, weight, best->distance, &close)) {
+        best->distance = close.distance;
+        best->kind = GD__LEG_CLOSE;
+        best->from = close.seed;
+    }
+}
+
+/* What a way through a wedge must be shorter by than the best one, where that has more digits: from a
+ * point seed close by, be it round a corner, the rounding of places in a face. */
+static double margin_of(const struct gd_field *field, uint32_t side, const struct gd__way *best)
+{
+    double length = field->mesh->side[side].length;
+    bool is_seed = best->kind == GD__LEG_CLOSE || (best->kind == GD__LEG_SEED && !field->seeds[best->from].is_segment),
+         is_corner = best->kind == GD__LEG_VERTEX && best->distance < GD_TOL_BESIDE_VERTEX * length;
+    return is_seed || is_corner ? GD_TOL_BETTER * length : 0;
 }
 
 static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *out)
@@ -141,14 +157,20 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     look_around(field, face, weight, &view);
     for (int k = 0; k < 3; k++) try_corner(field, view.side[k], view.at[k], &best);
     prefetch_wedges(field, &view);
-    if (field->face_seed_count) try_seeds(field, face, view.at[0], &best);
+    double margin = 0;
+    if (field->face_seed_count) {
+        try_seeds(field, face, weight, &best);
+        margin = margin_of(field, view.side[0], &best);
+    }
     gd__sight_kernel *kernel = gd__sight_kernel_in_use(field->has_segments);
     struct gd__sight sights[SIGHTS];
     struct cursor cursor = {0, view.newest[0]};
     for (uint32_t passed = 0; cursor.k < 3;) {
         uint32_t count = take_sights(field, &view, &cursor, sights);
-        struct gd__seen seen = kernel(field, sights, count, best.distance);
+        struct gd__seen seen = kernel(field, sights, count, best.distance - margin);
+        if (margin > 0 && seen.place == GD_NONE) seen.distance = best.distance;
         offer(&best, seen.distance, GD__LEG_WEDGE, passed + seen.place);
+        margin = best.kind == GD__LEG_WEDGE ? 0 : margin;
         for (uint32_t s = 0; s < count && cursor.k < 3; s++) passed += sights[s].chunk->count;
     }
     out->distance = best.distance;

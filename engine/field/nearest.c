@@ -8,7 +8,7 @@
 static uint32_t behind_leg(const struct gd_field *field, const struct gd__leg *leg)
 {
     if (leg->kind == GD__LEG_WEDGE) return leg->source;
-    return leg->kind == GD__LEG_SEED ? field->mesh->vertex_count + leg->from : leg->from;
+    return leg->kind == GD__LEG_SEED || leg->kind == GD__LEG_CLOSE ? field->mesh->vertex_count + leg->from : leg->from;
 }
 
 /* The last leg to a vertex begins in a pseudo-source, or bends on the side opposite to the vertex. */

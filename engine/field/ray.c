@@ -107,7 +107,8 @@ static inline bool append_crossing(struct gd__trail *trail, const struct gd_side
     point->kind = GD_POINT_EDGE;
     point->element = ray->side >> 1;
     point->weight[0] = weights[ray->side & 1];
-    point->weight[1] = point->weight[2] = 0;
+    point->weight[1] = weights[~ray->side & 1];
+    point->weight[2] = 0;
     trail->path.length += passage->segment;
     return true;
 }

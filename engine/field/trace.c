@@ -1,3 +1,4 @@
+#include "field/close.h"
 #include "field/ray.h"
 
 #include <stdlib.h>
@@ -68,6 +69,16 @@ static struct gd__stop go_from_vertex(struct gd__trail *trail, uint32_t vertex)
         trail, (struct gd__ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
 }
 
+static struct gd__stop go_to_close_seed(struct gd__trail *trail, const struct gd__leg *leg)
+{
+    struct gd__close close;
+    double weight[3];
+    gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], leg->face, weight);
+    if (!gd__close_find(trail->field, leg->face, weight, GD__FAR, &close)) return gd__stop_failed(trail, GD_INTERNAL);
+    gd__close_trace(trail, leg->face, &close);
+    return gd__stop_at_seed(close.seed);
+}
+
 /* From a point of an edge or a face by its leg. */
 static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *leg)
 {
@@ -79,6 +90,8 @@ static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *
         if (trail->field->seeds[leg->from].is_segment) return gd__ray_arrive_at_chord(trail, leg->from, leg->face);
         gd__trail_append_in_face(trail, trail->field->seeds[leg->from].point, leg->face);
         return gd__stop_at_seed(leg->from);
+    case GD__LEG_CLOSE:
+        return go_to_close_seed(trail, leg);
     case GD__LEG_WEDGE:
         return gd__ray_follow(
             trail,
@@ -128,7 +141,7 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
         gd_path_free(&trail.path);
         return trail.status;
     }
-    trail.path.length *= mesh->unit;
+    trail.path.length = (leg->distance - offset) * mesh->unit; /* has digits that the sum has lost */
     *out = trail.path;
     *seed = end;
     return GD_OK;

@@ -41,9 +41,8 @@ void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, ui
     double from[3], to[3];
     gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], face, from);
     gd__point_weights(trail->mesh, &point, face, to);
-    uint32_t side = trail->mesh->face_side[face][0];
-    struct gd__local a = gd__face_local(trail->mesh, side, from), b = gd__face_local(trail->mesh, side, to);
-    gd__trail_append(trail, point, sqrt((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y)));
+    struct gd__local way = gd__way_in_face(trail->mesh, face, gd__main_corner(from), from, to);
+    gd__trail_append(trail, point, gd__local_length(way));
 }
 
 struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t side, double t)
@@ -52,6 +51,5 @@ struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t sid
     double length = mesh->side[side].length;
     if (t <= trail->snap * length) return gd__point_of_vertex(mesh->origin[side]);
     if (t >= (1 - trail->snap) * length) return gd__point_of_vertex(mesh->origin[side ^ 1]);
-    double weight = t / length;
-    return (struct gd_point){.kind = GD_POINT_EDGE, .element = side >> 1, .weight = {side & 1 ? 1 - weight : weight}};
+    return gd__point_within_side(side, t / length);
 }

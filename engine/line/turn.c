@@ -140,7 +140,7 @@ static struct gd__ray ray_from_edge(const struct gd_mesh *mesh, const struct gd_
         side ^= 1;
         angle -= M_PI;
     }
-    double part = side & 1 ? 1 - point->weight[0] : point->weight[0];
+    double part = side & 1 ? gd__edge_rest(point) : point->weight[0];
     return ray_from(side, part * mesh->side[side].length, 0, angle);
 }
 

@@ -2,6 +2,8 @@
 #ifndef GD_MESH_LOCAL_H
 #define GD_MESH_LOCAL_H
 
+#include <math.h>
+
 #include "mesh/topology.h"
 
 struct gd__local {
@@ -48,10 +50,33 @@ static inline void gd__point_weights(const struct gd_mesh *mesh, const struct gd
     }
     const uint32_t *side = mesh->face_side[face];
     bool on[3] = {side[0] >> 1 == point->element, side[1] >> 1 == point->element, side[2] >> 1 == point->element};
-    double is[3] = {on[0], on[1], on[2]}, t = point->weight[0];
-    double turned = ((side[0] & on[0]) | (side[1] & on[1]) | (side[2] & on[2])); /* the edge's side 1 is the face's */
-    double forth = t - 2 * turned * t, of_destination = turned + forth, of_origin = (1 - turned) - forth;
+    double is[3] = {on[0], on[1], on[2]};
+    bool turned = ((side[0] & on[0]) | (side[1] & on[1]) | (side[2] & on[2])); /* the edge's side 1 is the face's */
+    const double of_end[2] = {gd__edge_rest(point), point->weight[0]};
+    double of_origin = of_end[turned], of_destination = of_end[!turned];
     for (int k = 0; k < 3; k++) weight[k] = is[k] * of_origin + is[(k + 2) % 3] * of_destination;
+}
+
+/* The corner of which a point has most, by its weights. */
+static inline int gd__main_corner(const double weight[3])
+{
+    int k = weight[1] > weight[0];
+    return weight[2] > weight[k] ? 2 : k;
+}
+
+/* The way from a point of a face to another, by their weights, in the frame of the side that begins at
+ * corner k. The corner's own weights are not read: of two points near the corner the way has all its
+ * digits, however short it is. */
+static inline struct gd__local gd__way_in_face(const struct gd_mesh *mesh, uint32_t face, int k, const double from[3],
+                                               const double to[3])
+{
+    int l = (k + 1) % 3, m = (k + 2) % 3;
+    return gd__side_local(&mesh->side[mesh->face_side[face][k]], to[l] - from[l], to[m] - from[m]);
+}
+
+static inline double gd__local_length(struct gd__local way)
+{
+    return sqrt(way.x * way.x + way.y * way.y);
 }
 
 #endif

@@ -11,11 +11,16 @@ struct gd_point gd__point_of_vertex(uint32_t vertex)
     return (struct gd_point){.kind = GD_POINT_VERTEX, .element = vertex};
 }
 
-static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double border)
+/* `rest` = 1 - t, less the weight of a third corner that is left out. The lesser of the two has the
+ * digits: it tells the place. */
+static struct gd_point of_edge(const struct gd_mesh *mesh, uint32_t edge, double t, double rest, double border)
 {
     if (t <= border) return gd__point_of_vertex(mesh->origin[2 * edge]);
-    if (t >= 1 - border) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
-    return (struct gd_point){.kind = GD_POINT_EDGE, .element = edge, .weight = {t}};
+    if (rest <= border) return gd__point_of_vertex(mesh->origin[2 * edge + 1]);
+    struct gd_point point = {.kind = GD_POINT_EDGE, .element = edge};
+    point.weight[0] = t < rest ? t : 1 - rest;
+    point.weight[1] = t < rest ? 1 - t : rest;
+    return point;
 }
 
 static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3], double border)
@@ -27,15 +32,21 @@ static struct gd_point of_face(const struct gd_mesh *mesh, uint32_t face, const 
     for (int k = 0; k < 3; k++) {
         if (weight[k] > border) continue;
         /* on the side opposite to corner k: its parameter is the weight of the end of side 0 */
-        uint32_t h = side[(k + 1) % 3];
-        return of_edge(mesh, h / 2, weight[(k + (h % 2 ? 1 : 2)) % 3], border);
+        uint32_t h = side[(k + 1) % 3], end = h % 2 ? 1 : 2;
+        return of_edge(mesh, h / 2, weight[(k + end) % 3], weight[(k + 3 - end) % 3], border);
     }
     return (struct gd_point){.kind = GD_POINT_FACE, .element = face, .weight = {weight[0], weight[1], weight[2]}};
 }
 
 struct gd_point gd__point_of_edge(const struct gd_mesh *mesh, uint32_t edge, double t)
 {
-    return of_edge(mesh, edge, t, GD_TOL_ON_BORDER);
+    return of_edge(mesh, edge, t, 1 - t, GD_TOL_ON_BORDER);
+}
+
+struct gd_point gd__point_on_side(const struct gd_mesh *mesh, uint32_t side, double t, double rest)
+{
+    bool turned = side & 1;
+    return of_edge(mesh, side >> 1, turned ? rest : t, turned ? t : rest, GD_TOL_ON_BORDER);
 }
 
 struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, const double weight[3])
@@ -45,7 +56,8 @@ struct gd_point gd__point_of_face(const struct gd_mesh *mesh, uint32_t face, con
 
 struct gd_point gd__point_settled(const struct gd_mesh *mesh, const struct gd_point *point, double border)
 {
-    if (point->kind == GD_POINT_EDGE) return of_edge(mesh, point->element, point->weight[0], border);
+    if (point->kind == GD_POINT_EDGE)
+        return of_edge(mesh, point->element, point->weight[0], gd__edge_rest(point), border);
     if (point->kind == GD_POINT_FACE) return of_face(mesh, point->element, point->weight, border);
     return *point;
 }
@@ -85,7 +97,7 @@ enum gd_status gd_point_on_edge(const struct gd_mesh *mesh, struct gd_vertex a, 
                        a.index, b.index);
     uint32_t side = gd__side_between(mesh, from, to);
     if (side == GD_NONE) return gd_fail(detail, GD_NO_SUCH_EDGE, "vertices %u and %u share no edge", a.index, b.index);
-    *out = gd__point_of_edge(mesh, side / 2, side % 2 ? 1 - t : t);
+    *out = gd__point_on_side(mesh, side, t, 1 - t);
     return GD_OK;
 }
 
@@ -217,7 +229,7 @@ static void weights_in_face(const struct gd_mesh *mesh, const struct gd_point *p
             weight[k] = corner == point->element;
             break;
         case GD_POINT_EDGE:
-            weight[k] = corner == mesh->origin[2 * point->element]       ? 1 - point->weight[0]
+            weight[k] = corner == mesh->origin[2 * point->element]       ? gd__edge_rest(point)
                         : corner == mesh->origin[2 * point->element + 1] ? point->weight[0]
                                                                          : 0;
             break;
@@ -231,7 +243,7 @@ static void describe_edge(const struct gd_mesh *mesh, const struct gd_point *poi
     uint32_t b = mesh->index_of_vertex[mesh->origin[2 * point->element + 1]];
     out->edge[0].index = a < b ? a : b;
     out->edge[1].index = a < b ? b : a;
-    out->t = a < b ? point->weight[0] : 1 - point->weight[0];
+    out->t = a < b ? point->weight[0] : gd__edge_rest(point);
 }
 
 void gd_point_describe(const struct gd_mesh *mesh, const struct gd_point *point, struct gd_point_description *out)

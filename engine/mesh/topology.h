@@ -130,6 +130,13 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
                                                 : gd__side_apex(mesh, mesh->fan[number - 1].side);
 }
 
+/* What is left of an edge beyond a point of it, as a part of its length. Stored points of older fields
+ * have t alone. */
+static inline double gd__edge_rest(const struct gd_point *point)
+{
+    return point->weight[1] > 0 ? point->weight[1] : 1 - point->weight[0];
+}
+
 /* The side that runs from vertex a to vertex b, or GD_NONE. Walks the fan of a. */
 uint32_t gd__side_between(const struct gd_mesh *mesh, uint32_t a, uint32_t b);
 

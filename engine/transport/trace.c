@@ -134,9 +134,7 @@ static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, c
     if (!(flight->t > snap && flight->t < passage->edge - snap)) return pass_vertex(tracer, ray, passage->edge, snap);
     double end_snap = GD_TOL_HIT * fmin(passage->edge, tracer->line.length) + drift(tracer);
     if (gd__line_rest(&tracer->line) <= passage->run + end_snap) return end_in_face(tracer, ray, end_snap);
-    double weight = flight->t / passage->edge;
-    struct gd_point point = {
-        .kind = GD_POINT_EDGE, .element = flight->side >> 1, .weight = {flight->side & 1 ? 1 - weight : weight}};
+    struct gd_point point = gd__point_within_side(flight->side, flight->t / passage->edge);
     return append(tracer, point, tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE, passage->run,
                   HALT_NONE);
 }

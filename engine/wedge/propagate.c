@@ -44,6 +44,20 @@ static enum gd_status store(struct gd__wavefront *front, uint32_t side, const st
     return GD_OK;
 }
 
+void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window)
+{
+    struct gd__window_builder *one = &front->work->scratch.tail;
+    bool is_wanted = !front->near && front->inner == 0 && (!front->domain || gd__domain_has_side(front->domain, side));
+    if (front->status || !is_wanted) return;
+    front->status = gd__window_builder_reserve(one, 1);
+    if (front->status) return;
+    struct gd__list *list = gd__wavefront_list(front, side);
+    gd__workspace_touch(front->work, side, !list->touched);
+    list->touched = true;
+    gd__windows_put(&one->at, 0, window);
+    front->status = store(front, side, &one->at, 1);
+}
+
 static enum gd_status open_children(struct gd_workspace *work, uint32_t count)
 {
     enum gd_status status = gd__children_open(&work->left, &work->pool, count);

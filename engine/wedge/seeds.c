@@ -50,15 +50,28 @@ static struct gd__local to_apex(const struct gd_side *s, struct gd__local at)
     return (struct gd__local){s->left_length * s->left_x - at.x, s->left_length * s->left_y - at.y};
 }
 
+/* From a point of a face to the apex of `side`, by the weights of the side's ends: exact to its last
+ * digits however near the apex is. */
+static struct gd__local to_apex_of_face(const struct gd_side *s, double origin, double destination)
+{
+    double px = s->left_length * s->left_x, py = s->left_length * s->left_y;
+    return (struct gd__local){origin * px + destination * (px - s->length), (origin + destination) * py};
+}
+
 /* Straight to the apex of `side`, a side of the seed's face, unless a segment is nearer. */
 static void seed_apex(struct gd__wavefront *front, uint32_t seed, uint32_t side, struct gd__local at,
-                      const struct gd__spread *spread)
+                      struct gd__local way, const struct gd__spread *spread)
 {
-    struct gd__local way = to_apex(&front->mesh->side[side], at);
     if (gd__is_ahead(spread, way)) return;
     struct gd__birth birth = {.x = at.x, .y = -at.y, .side = side, .source = front->mesh->vertex_count + seed};
     gd__wavefront_reach(front, gd__side_apex(front->mesh, side),
                         front->seeds[seed].offset + sqrt(way.x * way.x + way.y * way.y), birth);
+}
+
+/* No segment ends at the seed. */
+static bool is_apart(const struct gd__joint *joint)
+{
+    return !joint->segment[0] && !joint->segment[1];
 }
 
 static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
@@ -74,15 +87,25 @@ static void seed_face(struct gd__wavefront *front, struct gd__laying *laying, ui
         spread[k] = gd__spread_in_face(&joint, k);
     }
     if (gd__is_straight(&spread[0])) return; /* its segments see the corners beside it, too */
-    for (int k = 0; k < 3; k++) seed_apex(front, seed, sides[k], at[k], &spread[k]);
+    struct gd__polar polar;
+    bool is_beside = is_apart(&joint) && gd__polar_beside(mesh, point, &polar);
     for (int k = 0; k < 3; k++) {
+        const struct gd_side *s = &mesh->side[sides[k]];
+        struct gd__local way = is_beside ? to_apex_of_face(s, point->weight[k], point->weight[(k + 1) % 3])
+                                         : to_apex(s, at[k]); /* rounded as its segments' ways are */
+        seed_apex(front, seed, sides[k], at[k], way, &spread[k]);
+    }
+    for (int k = 0; k < 3; k++) {
+        if (is_beside && gd__side_apex(mesh, sides[k]) != polar.vertex) continue;
         struct gd__local origin = {-at[k].x, -at[k].y}, destination = {mesh->side[sides[k]].length - at[k].x, -at[k].y};
         seed_across(front, seed, sides[k], at[k], gd__part_behind(&spread[k], origin, destination));
     }
+    if (is_beside) gd__emit_beside(front, seed, &polar);
 }
 
-/* From a point of an edge across the two other sides of the face of one of its sides. */
-static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t,
+/* From a point of an edge across the two other sides of the face of one of its sides, but for those that
+ * end in `vertex`, which may be GD_NONE. */
+static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t side, double t, uint32_t vertex,
                            const struct gd__spread *spread)
 {
     const struct gd_mesh *mesh = front->mesh;
@@ -91,10 +114,12 @@ static void seed_half_edge(struct gd__wavefront *front, uint32_t seed, uint32_t 
     struct gd__local origin = {-t, 0}, destination = {s->length - t, 0}, apex = to_apex(s, (struct gd__local){t, 0});
     double u = t / s->length; /* weights 1 - u, u, 0 of origin, destination, apex */
     uint32_t next = gd__side_next(mesh, side), previous = gd__side_previous(mesh, side);
-    seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u),
-                gd__part_behind(spread, destination, apex));
-    seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u),
-                gd__part_behind(spread, apex, origin));
+    if (mesh->origin[next] != vertex)
+        seed_across(front, seed, next, gd__side_local(&mesh->side[next], 0, 1 - u),
+                    gd__part_behind(spread, destination, apex));
+    if (mesh->origin[side] != vertex)
+        seed_across(front, seed, previous, gd__side_local(&mesh->side[previous], 1 - u, u),
+                    gd__part_behind(spread, apex, origin));
 }
 
 /* From a point of an edge to the corners of the face of one of its sides, but for the side's destination. */
@@ -104,7 +129,9 @@ static void seed_corners(struct gd__wavefront *front, uint32_t seed, uint32_t si
     struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
     if (!gd__is_ahead(spread, (struct gd__local){-t, 0}))
         gd__wavefront_reach(front, front->mesh->origin[side], front->seeds[seed].offset + t, birth);
-    if (!gd__side_is_boundary(front->mesh, side)) seed_apex(front, seed, side, (struct gd__local){t, 0}, spread);
+    if (gd__side_is_boundary(front->mesh, side)) return;
+    const struct gd__local at = {t, 0};
+    seed_apex(front, seed, side, at, to_apex(&front->mesh->side[side], at), spread);
 }
 
 static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, uint32_t seed)
@@ -116,10 +143,14 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     const struct gd__spread spread = gd__spread_from_edge(front->mesh, &joint, side);
     if (gd__is_straight(&spread)) return; /* as in a face */
     const struct gd__spread other = gd__spread_from_other_side(spread);
+    struct gd__polar polar = {.vertex = GD_NONE};
+    bool is_beside = is_apart(&joint) && gd__polar_beside(front->mesh, point, &polar);
+    double rest = is_beside ? gd__edge_rest(point) * length : length - t; /* rounded as its segments' ends are */
     seed_corners(front, seed, side, t, &spread);
-    seed_corners(front, seed, side ^ 1, length - t, &other);
-    seed_half_edge(front, seed, side, t, &spread);
-    seed_half_edge(front, seed, side ^ 1, length - t, &other);
+    seed_corners(front, seed, side ^ 1, rest, &other);
+    seed_half_edge(front, seed, side, t, polar.vertex, &spread);
+    seed_half_edge(front, seed, side ^ 1, rest, polar.vertex, &other);
+    if (is_beside) gd__emit_beside(front, seed, &polar);
 }
 
 /* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */

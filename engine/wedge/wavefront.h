@@ -15,6 +15,7 @@
 #define GD_WEDGE_WAVEFRONT_H
 
 #include "gd/executor.h"
+#include "mesh/polar.h"
 #include "wedge/domain.h"
 #include "wedge/kernel.h"
 #include "wedge/workspace.h"
@@ -245,6 +246,13 @@ static inline void gd__wavefront_offer(struct gd__wavefront *front, uint32_t sid
 /* seeds.c, emit.c: windows and neighbour distances of the seeds, and of a saddle or boundary vertex into its shadow cone. */
 void gd__emit_seeds(struct gd__wavefront *front);
 void gd__emit_vertex(struct gd__wavefront *front, uint32_t vertex);
+
+/* emit.c: a seed beside a vertex emits into the faces of the vertex that it doesn't lie in: what it sees
+ * past the vertex on both sides, bounded by rays of the vertex (doc 002). */
+void gd__emit_beside(struct gd__wavefront *front, uint32_t seed, const struct gd__polar *polar);
+
+/* propagate.c: stores a window of a side, which is not propagated, as a wedge. */
+void gd__store_window(struct gd__wavefront *front, uint32_t side, const struct gd__window *window);
 
 /* propagate.c: the windows that wait on a side become wedges and go on across its face. */
 void gd__propagate_side(struct gd__wavefront *front, uint32_t side);

@@ -16,7 +16,8 @@ enum gd_point_kind { GD_POINT_VERTEX, GD_POINT_EDGE, GD_POINT_FACE };
 struct gd_point {
     enum gd_point_kind kind;
     uint32_t element; /* vertex, edge or face inside the mesh, by kind */
-    /* edge: weight[0] = parameter in (0,1) from the origin of the edge's side 0; face: barycentric coordinates, all > 0, sum 1 */
+    /* Edge: weight[0] = t in (0,1), from the origin of side 0, and weight[1] = 1 - t, each to its last
+     * digit. Face: barycentric coordinates, all > 0, of sum 1. */
     double weight[3];
 };
 

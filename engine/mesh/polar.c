@@ -1,0 +1,78 @@
+#include "mesh/polar.h"
+
+#include <math.h>
+
+#include "base/tolerance.h"
+
+/* A point of an edge that ends in the vertex. The edge's outgoing side has no face where it is the
+ * last of a boundary vertex' fan. */
+static bool about_end_of_edge(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex,
+                              struct gd__polar *out)
+{
+    uint32_t side = 2 * point->element;
+    double part = point->weight[0];
+    if (mesh->origin[side] != vertex) {
+        side ^= 1;
+        part = gd__edge_rest(point);
+        if (mesh->origin[side] != vertex) return false;
+    }
+    bool is_last = gd__side_is_boundary(mesh, side);
+    uint32_t entry = is_last ? mesh->fan_first[vertex + 1] - 1 : mesh->side_fan[side];
+    *out = (struct gd__polar){.vertex = vertex,
+                              .entry = entry,
+                              .radius = part * mesh->side[side].length,
+                              .angle = is_last ? mesh->total_angle[vertex] : mesh->fan[entry].angle};
+    return true;
+}
+
+bool gd__polar_about(const struct gd_mesh *mesh, const struct gd_point *point, uint32_t vertex, struct gd__polar *out)
+{
+    if (point->kind == GD_POINT_VERTEX) return false;
+    if (point->kind == GD_POINT_EDGE) return about_end_of_edge(mesh, point, vertex, out);
+    const uint32_t *side = mesh->face_side[point->element];
+    int k = (mesh->origin[side[1]] == vertex) + 2 * (mesh->origin[side[2]] == vertex);
+    if (mesh->origin[side[k]] != vertex) return false;
+    uint32_t entry = mesh->side_fan[side[k]];
+    struct gd__local at = gd__side_local(&mesh->side[side[k]], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
+    *out = (struct gd__polar){.vertex = vertex,
+                              .entry = entry,
+                              .radius = sqrt(at.x * at.x + at.y * at.y),
+                              .angle = mesh->fan[entry].angle + atan2(at.y, at.x)};
+    return true;
+}
+
+/* The least altitude of the faces round a vertex: twice the area over the longest side. */
+static double least_altitude(const struct gd_mesh *mesh, uint32_t vertex)
+{
+    double least = INFINITY;
+    for (uint32_t i = mesh->fan_first[vertex]; i < mesh->fan_first[vertex + 1]; i++) {
+        const struct gd_side *s = &mesh->side[mesh->fan[i].side];
+        double longest = fmax(s->length, fmax(s->left_length, s->right_length));
+        least = fmin(least, s->length * s->left_length * s->left_y / longest);
+    }
+    return least;
+}
+
+/* The vertex of which the point has most, or GD_NONE if it has less than all but a small part. */
+static uint32_t main_vertex(const struct gd_mesh *mesh, const struct gd_point *point)
+{
+    const double most = 1 - GD_TOL_BESIDE_VERTEX;
+    uint32_t element = point->element;
+    if (point->kind == GD_POINT_EDGE) {
+        if (point->weight[0] <= GD_TOL_BESIDE_VERTEX) return mesh->origin[2 * element];
+        return point->weight[0] >= most ? mesh->origin[2 * element + 1] : GD_NONE;
+    }
+    for (int k = 0; k < 3 && point->kind == GD_POINT_FACE; k++)
+        if (point->weight[k] >= most) return mesh->origin[mesh->face_side[element][k]];
+    return GD_NONE;
+}
+
+bool gd__polar_beside(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__polar *out)
+{
+    uint32_t vertex = main_vertex(mesh, point);
+    struct gd__polar polar;
+    if (vertex == GD_NONE || !gd__polar_about(mesh, point, vertex, &polar)) return false;
+    if (polar.radius > GD_TOL_BESIDE_VERTEX * least_altitude(mesh, vertex)) return false;
+    *out = polar;
+    return true;
+}
