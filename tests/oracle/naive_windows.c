@@ -133,14 +133,14 @@ void naive_mesh_free(struct naive_mesh *mesh)
 /* --- fields ----------------------------------------------------------------------------------------------------- */
 
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
-                                      const struct naive_source *sources, uint32_t source_count)
+                                      const struct naive_source *sources, uint32_t source_count, long double radius)
 {
     struct naive_field *field = calloc(1, sizeof *field);
     if (!field) return NULL;
     if (precision == NAIVE_EXTENDED)
-        field->extended = extended_solve(mesh, sources, source_count);
+        field->extended = extended_solve(mesh, sources, source_count, radius);
     else
-        field->quadruple = quadruple_solve(mesh, sources, source_count);
+        field->quadruple = quadruple_solve(mesh, sources, source_count, radius);
     if (field->extended || field->quadruple) return field;
     free(field);
     return NULL;

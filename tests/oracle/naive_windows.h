@@ -4,7 +4,7 @@
  * and no code is shared with the engine.
  *
  *     struct naive_mesh *mesh = naive_mesh_create(positions, position_count, corners, face_count);
- *     struct naive_field *field = naive_field_solve(mesh, NAIVE_EXTENDED, &source, 1);
+ *     struct naive_field *field = naive_field_solve(mesh, NAIVE_EXTENDED, &source, 1, INFINITY);
  *     long double distance = naive_field_distance(field, &target);
  *
  * A window is laid out in the plane with its source at the origin. Images of vertices that it still touches are kept, and so
@@ -38,10 +38,11 @@ struct naive_mesh *naive_mesh_create(const double (*positions)[3], uint32_t posi
                                      uint32_t face_count);
 void naive_mesh_free(struct naive_mesh *mesh); /* NULL is harmless */
 
-/* Distances from the nearest of the sources. The mesh must outlive the field. NULL: out of memory, or more than
+/* Distances from the nearest of the sources. Those up to `radius`, which may be INFINITY, are exact; beyond it they are
+ * upper bounds. The mesh must outlive the field. NULL: out of memory, or more than
  * NAIVE_WINDOWS_MOST windows. */
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
-                                      const struct naive_source *sources, uint32_t source_count);
+                                      const struct naive_source *sources, uint32_t source_count, long double radius);
 void naive_field_free(struct naive_field *field); /* NULL is harmless */
 
 enum { NAIVE_WINDOWS_MOST = 4000000 };

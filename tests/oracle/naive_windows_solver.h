@@ -329,9 +329,9 @@ static void NAME(propagate)(struct NAME(solver) * solver, uint32_t index)
     }
 }
 
-static void NAME(propagate_all)(struct NAME(solver) * solver)
+static void NAME(propagate_all)(struct NAME(solver) * solver, long double radius)
 {
-    while (solver->heap_count > 0 && !solver->failed) {
+    while (solver->heap_count > 0 && solver->heap[0].key <= radius && !solver->failed) {
         struct NAME(event) event = NAME(pop)(solver);
         if (!event.is_vertex)
             NAME(propagate)(solver, event.index);
@@ -418,13 +418,13 @@ static struct NAME(solver) * NAME(open)(const struct naive_mesh *mesh, uint32_t 
     return solver;
 }
 
-static struct NAME(solver) *
-    NAME(solve)(const struct naive_mesh *mesh, const struct naive_source *sources, uint32_t source_count)
+static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh, const struct naive_source *sources,
+                                         uint32_t source_count, long double radius)
 {
     struct NAME(solver) *solver = NAME(open)(mesh, source_count);
     if (!solver) return NULL;
     for (uint32_t i = 0; i < source_count; i++) NAME(add_source)(solver, &sources[i]);
-    NAME(propagate_all)(solver);
+    NAME(propagate_all)(solver, radius);
     if (!solver->failed) return solver;
     NAME(close)(solver);
     return NULL;

@@ -22,7 +22,7 @@ static struct naive_mesh *open_mesh(const struct gd_polygons *mesh)
 static struct naive_field *solve(const struct naive_mesh *mesh, enum naive_precision precision,
                                  struct naive_point source)
 {
-    struct naive_field *field = naive_field_solve(mesh, precision, &(struct naive_source){source, 0}, 1);
+    struct naive_field *field = naive_field_solve(mesh, precision, &(struct naive_source){source, 0}, 1, INFINITY);
     assert_non_null(field);
     return field;
 }
