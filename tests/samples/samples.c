@@ -48,6 +48,12 @@ static enum gd_status make_terrain(const double *v, struct gd_polygons *out)
     return sample_terrain(whole(v[0]), v[1], (uint64_t)v[2], out);
 }
 
+static enum gd_status make_graded(const double *v, struct gd_polygons *out)
+{
+    struct sample_grading grading = {whole(v[0]), whole(v[1]), v[2], v[3], v[4]};
+    return sample_graded(&grading, (uint64_t)v[5], out);
+}
+
 static enum gd_status make_genus2(const double *v, struct gd_polygons *out)
 {
     return sample_genus2(whole(v[0]), v[1], out);
@@ -148,6 +154,15 @@ const struct sample samples[] = {
      "fractal heights over the unit square",
      {{COUNT("cells", 64, 1, 2048)}, {LENGTH("amplitude", 0.2)}, {SEED}},
      make_terrain},
+    {"graded",
+     "rings around a point, each smaller than the one outside by a ratio",
+     {{COUNT("sides", 6, 4, 1000)},
+      {COUNT("rings", 7, 1, 20)},
+      {"ratio", 10, 1.5, 1000, false},
+      {"bend", 0, -10, 10, false},
+      {"jitter", 0.2, 0, 0.5, false},
+      {SEED}},
+     make_graded},
     {"genus2",
      "a smoothed, bumpy slab with two holes",
      {{COUNT("cells", 8, 1, 128)}, {"bump", 0.02, 0, 0.05, false}},

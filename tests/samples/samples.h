@@ -71,6 +71,16 @@ GD_MUST_USE enum gd_status sample_cylinder(double radius, double height, uint32_
 /* Heights of fractal noise over the unit square of cells x cells. */
 GD_MUST_USE enum gd_status sample_terrain(uint32_t cells, double amplitude, uint64_t seed, struct gd_polygons *out);
 
+/* Rings of vertices around the origin, the outermost of radius 1, each one inside it smaller by the ratio. */
+struct sample_grading {
+    uint32_t sides, rings;
+    double ratio;
+    double bend;   /* height over radius is half of this: 0 is flat */
+    double jitter; /* 0 to 0.5: how far angles, radii, heights and the rings' turns are random */
+};
+
+GD_MUST_USE enum gd_status sample_graded(const struct sample_grading *grading, uint64_t seed, struct gd_polygons *out);
+
 /* A slab with two holes, smoothed and bumped: closed, genus 2; 100 cells^2 faces. */
 GD_MUST_USE enum gd_status sample_genus2(uint32_t cells, double bump, struct gd_polygons *out);
 

@@ -29,6 +29,8 @@ static const struct expectation expectations[] = {
     {"saddle", {1, 0.5, 8, 2}, 48, 0, 1, 1, 1, 1},
     {"cylinder", {1, 2, 64, 3}, 384, 0, 2, 0, 4 * M_PI, 1e-2},
     {"terrain", {33, 0.2, 5}, 2178, 0, 1, GD_NONE, 1, 1},
+    {"graded", {6, 7, 10, 0, 0, 1}, 78, 0, 1, GD_NONE, 2.598076211353316, 1e-12},
+    {"graded", {5, 12, 100, 1, 0.3, 2}, 115, 0, 1, GD_NONE, 1, 1},
     {"genus2", {1, 0}, 100, 2, 0, GD_NONE, 1, 1},
     {"genus2", {8, 0.02}, 6400, 2, 0, GD_NONE, 1, 1},
     {"eight", {600, 0.6, 0, 0, 0, 1}, 600, 2, 0, GD_NONE, 1, 1},
