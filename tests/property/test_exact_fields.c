@@ -1,0 +1,207 @@
+/* Fields whose sources lie right beside vertices, against the solver by naive windows: at vertices, inside faces and beside the same vertex. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gd/locate.h"
+#include "gd/query.h"
+#include "tests/support/exact_run.h"
+
+enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
+
+static struct gd_field *build_field(struct exact_unit *unit)
+{
+    struct gd_field *field = NULL;
+    struct gd_field_request request = {.seeds = unit->seeds, .seed_count = unit->seed_count};
+    enum gd_status status = gd_field_build(unit->scene->mesh, &request, NULL, NULL, &field, NULL);
+    if (status) exact_failure(unit, "gd_field_build", status, &unit->seeds[0].point);
+    return field;
+}
+
+static void compare_at(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *field,
+                       struct gd_point point)
+{
+    double distance = NAN;
+    enum gd_status status = gd_field_distance(field, &point, &distance);
+    if (status)
+        exact_failure(unit, "gd_field_distance", status, &point);
+    else
+        exact_answer(unit, truth, &point, distance);
+}
+
+static struct gd_point vertex_point(const struct exact_scene *scene, uint32_t index)
+{
+    struct gd_point point = {0};
+    if (gd_point_at_vertex(scene->mesh, (struct gd_vertex){index}, &point, NULL)) abort();
+    return point;
+}
+
+/* The field of some seeds, all beside `vertex`, at all vertices, at random places, and beside the vertex. */
+static void check_field(struct exact_scene *scene, uint32_t vertex, const struct gd_seed *seeds, uint32_t count,
+                        struct exact_tally *tally)
+{
+    struct exact_unit unit = {.scene = scene, .seeds = seeds, .seed_count = count};
+    struct exact_truth truth;
+    exact_truth_open(scene, seeds, count, INFINITY, &truth);
+    struct gd_field *field = build_field(&unit);
+    for (uint32_t v = 0; field && v < scene->polygons.position_count; v++)
+        compare_at(&unit, &truth, field, vertex_point(scene, v));
+    for (int i = 0; field && i < PLACES; i++) compare_at(&unit, &truth, field, exact_random(scene));
+    for (int i = 0; field && i < NEAR; i++)
+        compare_at(&unit, &truth, field, exact_beside_vertex(scene, vertex, -15, -1));
+    gd_field_release(field);
+    exact_truth_close(&truth);
+    exact_conclude(&unit, tally);
+}
+
+static void one_source(uint64_t number, struct exact_tally *tally)
+{
+    struct exact_scene scene;
+    exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
+    for (int i = 0; i < FIELDS; i++) {
+        uint32_t vertex = exact_random_vertex(&scene);
+        struct gd_seed seed = {.point = exact_beside_vertex(&scene, vertex, -15, -9)};
+        check_field(&scene, vertex, &seed, 1, tally);
+    }
+    exact_scene_close(&scene);
+}
+
+static void several_sources(uint64_t number, struct exact_tally *tally)
+{
+    struct exact_scene scene;
+    exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
+    for (int i = 0; i < FIELDS; i++) {
+        uint32_t vertex = exact_random_vertex(&scene), count = 2 + rng_below(&scene.rng, SETS_MOST - 1);
+        bool has_offsets = rng_below(&scene.rng, 4) == 0;
+        struct gd_seed seeds[SETS_MOST] = {0};
+        for (uint32_t k = 0; k < count; k++) {
+            seeds[k].point = exact_beside_vertex(&scene, vertex, -15, -12);
+            if (has_offsets) seeds[k].offset = 1e-12 * scene.mean_edge * rng_unit(&scene.rng);
+        }
+        check_field(&scene, vertex, seeds, count, tally);
+    }
+    exact_scene_close(&scene);
+}
+
+/* --- vertices written with few digits -------------------------------------------------------------------------------- */
+
+static double rounded(double x, int digits)
+{
+    char text[64];
+    snprintf(text, sizeof text, "%.*g", digits, x);
+    return strtod(text, NULL);
+}
+
+/* The law |d(s, x) - d(v, x)| <= |sv|, and the distances themselves. */
+static void check_law(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *beside,
+                      const struct gd_field *vertex, struct gd_point point, double apart)
+{
+    double ds = NAN, dv = NAN;
+    enum gd_status status = gd_field_distance(beside, &point, &ds);
+    if (!status) status = gd_field_distance(vertex, &point, &dv);
+    if (status) {
+        exact_failure(unit, "gd_field_distance", status, &point);
+        return;
+    }
+    if (!(fabs(ds - dv) <= apart + 1e-11 * dv)) exact_breach(unit, &point, ds, dv, INFINITY);
+    exact_answer(unit, truth, &point, ds);
+}
+
+static void check_rounded(struct exact_scene *scene, uint32_t index, const struct gd_seed *seed,
+                          struct exact_tally *tally)
+{
+    struct gd_seed at_vertex = {.point = vertex_point(scene, index)};
+    struct exact_unit unit = {.scene = scene, .seeds = seed, .seed_count = 1}, other = unit;
+    other.seeds = &at_vertex;
+    struct exact_truth truth;
+    exact_truth_open(scene, seed, 1, INFINITY, &truth);
+    struct gd_field *beside = build_field(&unit), *vertex = build_field(&other);
+    double apart = exact_distance(&truth, &at_vertex.point);
+    if (!vertex) unit.failure = other.failure;
+    for (uint32_t v = 0; beside && vertex && v < scene->polygons.position_count; v++)
+        check_law(&unit, &truth, beside, vertex, vertex_point(scene, v), apart);
+    for (int i = 0; beside && vertex && i < PLACES; i++)
+        check_law(&unit, &truth, beside, vertex, exact_random(scene), apart);
+    gd_field_release(beside);
+    gd_field_release(vertex);
+    exact_truth_close(&truth);
+    exact_conclude(&unit, tally);
+}
+
+static void rounded_vertices(uint64_t number, struct exact_tally *tally)
+{
+    static const double offsets[3] = {0, 1e2, 1e4};
+    uint32_t turn = (uint32_t)(number / 4 % 3);
+    enum exact_kind kind = (enum exact_kind)(number % EXACT_KINDS);
+    struct exact_scene scene;
+    if (kind == EXACT_GRADED) turn = 0; /* moved away, its small faces would fall together */
+    exact_scene_open_at(kind, number, offsets[turn], &scene);
+    for (int i = 0; i < FIELDS; i++) {
+        uint32_t vertex = exact_random_vertex(&scene);
+        const double *p = scene.polygons.positions[vertex];
+        int digits = 13 + i % 3;
+        struct gd_vec3 xyz = {rounded(p[0], digits), rounded(p[1], digits), rounded(p[2], digits)};
+        struct gd_seed seed = {0};
+        enum gd_status status = gd_locate_nearest(scene.mesh, xyz, -1, &seed.point, NULL, NULL);
+        if (status) abort();
+        check_rounded(&scene, vertex, &seed, tally);
+    }
+    exact_scene_close(&scene);
+}
+
+/* --- short distances ------------------------------------------------------------------------------------------------- */
+
+static void compare_pair(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *from,
+                         const struct gd_point *to, const struct gd_point *target)
+{
+    struct gd_pair_answer answer = {0};
+    enum gd_status status = gd_pair_solve(unit->scene->mesh, from, to, GD_PAIR_PATH, NULL, NULL, &answer, NULL);
+    if (status) {
+        exact_failure(unit, "gd_pair_solve", status, target);
+        return;
+    }
+    exact_answer(unit, truth, target, answer.distance);
+    exact_answer(unit, truth, target, answer.path.length);
+    gd_pair_answer_free(&answer);
+}
+
+/* A source beside a vertex, and points as near to it, or the vertex itself. */
+static void short_distances(uint64_t number, struct exact_tally *tally)
+{
+    struct exact_scene scene;
+    exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
+    for (int i = 0; i < FIELDS; i++) {
+        uint32_t vertex = exact_random_vertex(&scene);
+        double size = rng_between(&scene.rng, -14, -3);
+        struct gd_seed seed = {.point = exact_beside_vertex(&scene, vertex, size, size + 0.3)};
+        struct exact_unit unit = {.scene = &scene, .seeds = &seed, .seed_count = 1};
+        struct exact_truth truth;
+        exact_truth_open(&scene, &seed, 1, INFINITY, &truth);
+        struct gd_field *field = build_field(&unit);
+        for (int k = 0; k < NEAR; k++) {
+            struct gd_point target =
+                k ? exact_beside_vertex(&scene, vertex, size - 1, size + 0.3) : vertex_point(&scene, vertex);
+            if (field) compare_at(&unit, &truth, field, target);
+            compare_pair(&unit, &truth, &seed.point, &target, &target);
+            compare_pair(&unit, &truth, &target, &seed.point, &target);
+        }
+        gd_field_release(field);
+        exact_truth_close(&truth);
+        exact_conclude(&unit, tally);
+    }
+    exact_scene_close(&scene);
+}
+
+static const struct exact_section sections[] = {
+    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 1200, 100000, true},
+    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 300, 5000, true},
+    {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 600,
+     20000, true},
+    {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 600,
+     20000, true},
+};
+
+int main(int argc, char **argv)
+{
+    return exact_main(argc, argv, sections, sizeof sections / sizeof *sections);
+}
