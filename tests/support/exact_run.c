@@ -52,23 +52,18 @@ static bool read_point(const struct exact_scene *scene, const char *text, struct
 
 /* --- units -------------------------------------------------------------------------------------------------------- */
 
-static void note_error(struct exact_unit *unit, const struct gd_point *point, double answered, double expected,
-                       double error)
+void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered, double expected, double excess)
 {
     struct exact_answer *worst = expected < 1e-6 * unit->scene->mean_edge ? &unit->nearby : &unit->worst;
-    if (isnan(error)) error = INFINITY;
-    if (error > worst->error) *worst = (struct exact_answer){error, answered, expected, *point};
+    if (isnan(excess)) excess = INFINITY;
+    if (excess > worst->excess)
+        *worst = (struct exact_answer){excess, exact_relative(answered, expected), answered, expected, *point};
 }
 
 void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point, double distance)
 {
     double error = exact_error(truth, point, distance);
-    note_error(unit, point, distance, exact_distance(truth, point), error);
-}
-
-void exact_breach(struct exact_unit *unit, const struct gd_point *point, double answered, double expected, double error)
-{
-    note_error(unit, point, answered, expected, error);
+    exact_law(unit, point, distance, exact_distance(truth, point), error / EXACT_PROMISE);
 }
 
 void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status, const struct gd_point *point)
@@ -121,7 +116,7 @@ static void list_points(FILE *list, const struct exact_unit *unit, const struct 
 static void tell(const struct exact_unit *unit)
 {
     static const char *const kinds[EXACT_KINDS] = {"terrain", "sphere", "torus", "graded"};
-    bool is_nearby = !unit->failure && unit->worst.error <= EXACT_PROMISE;
+    bool is_nearby = !unit->failure && unit->worst.excess <= 1;
     const struct exact_answer *worst = is_nearby ? &unit->nearby : &unit->worst;
     FILE *list = open_list(is_nearby);
     if (!list) return;
@@ -130,7 +125,7 @@ static void tell(const struct exact_unit *unit)
         snprintf(path, sizeof path, "%s/%s-%llu.obj", report.folder, report.section, (unsigned long long)report.scene);
         write_mesh(unit->scene, path);
     }
-    fprintf(list, "# %s %llu (%s): --ask %s", report.section, (unsigned long long)report.scene,
+    fprintf(list, "# --replay %s %llu (%s): --ask %s", report.section, (unsigned long long)report.scene,
             kinds[unit->scene->kind], path);
     list_points(list, unit, unit->failure ? &unit->failed_at : &worst->point);
     if (unit->failure)
@@ -140,18 +135,24 @@ static void tell(const struct exact_unit *unit)
     if (list != stdout) fclose(list);
 }
 
+/* The error; where a law allows more than the promise, as absolute rounding, what is left of it. */
+static double weighed(const struct exact_answer *answer)
+{
+    return fmin(answer->error, answer->excess * EXACT_PROMISE);
+}
+
 void exact_conclude(struct exact_unit *unit, struct exact_tally *tally)
 {
     tally->asked++;
-    bool is_wrong = unit->worst.error > EXACT_PROMISE, is_wrong_near = unit->nearby.error > EXACT_PROMISE;
+    bool is_wrong = unit->worst.excess > 1, is_wrong_near = unit->nearby.excess > 1;
     if (unit->failure)
         tally->failed++;
     else if (is_wrong)
         tally->wrong++;
     else if (is_wrong_near)
         tally->wrong_near++;
-    tally->worst = fmax(tally->worst, unit->worst.error);
-    tally->worst_near = fmax(tally->worst_near, unit->nearby.error);
+    tally->worst = fmax(tally->worst, weighed(&unit->worst));
+    tally->worst_near = fmax(tally->worst_near, weighed(&unit->nearby));
     if (unit->failure || is_wrong || is_wrong_near) tell(unit);
 }
 

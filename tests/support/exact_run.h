@@ -32,7 +32,8 @@ struct exact_section {
 int exact_main(int argc, char **argv, const struct exact_section *sections, uint32_t count);
 
 struct exact_answer {
-    double error; /* relative */
+    double excess; /* error over the one that is allowed: wrong above 1 */
+    double error;  /* relative */
     double answered, expected;
     struct gd_point point;
 };
@@ -42,7 +43,7 @@ struct exact_unit {
     const struct exact_scene *scene;
     const struct gd_seed *seeds; /* the sources, for reports */
     uint32_t seed_count;
-    struct exact_answer worst, nearby; /* greatest error, and that of points less than 1e-6 edge lengths away */
+    struct exact_answer worst, nearby; /* greatest excess, and that of points less than 1e-6 edge lengths away */
     const char *failure;               /* a call's name, NULL: none failed */
     enum gd_status status;
     struct gd_point failed_at;
@@ -51,9 +52,8 @@ struct exact_unit {
 void exact_answer(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *point, double distance);
 void exact_failure(struct exact_unit *unit, const char *call, enum gd_status status, const struct gd_point *point);
 
-/* An answer that breaks a law by so much, relatively, the other answer being `expected`. */
-void exact_breach(struct exact_unit *unit, const struct gd_point *point, double answered, double expected,
-                  double error);
+/* An answer that some law sets against another one, `expected`; `excess` as in struct exact_answer. */
+void exact_law(struct exact_unit *unit, const struct gd_point *point, double answered, double expected, double excess);
 void exact_conclude(struct exact_unit *unit, struct exact_tally *tally);
 
 #endif
