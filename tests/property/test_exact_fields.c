@@ -195,11 +195,11 @@ static void short_distances(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 1200, 100000, true},
-    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 300, 5000, true},
-    {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 600,
+    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 600, 100000, true},
+    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, true},
+    {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 300,
      20000, true},
-    {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 600,
+    {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 300,
      20000, true},
 };
 
