@@ -51,7 +51,7 @@ program = $(patsubst %.c,$(BUILD)/%,$(1))
 
 .DEFAULT_GOAL := build
 .DELETE_ON_ERROR:
-.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers contract-linter web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture coverage lint format check-layers clean
+.PHONY: help setup setup-test build demo demo-stop serve man client-c test test-build test-unit test-api nurbs-peers contract-linter web-peers test-web check-pages test-cluster test-container image asan asan-build tsan fuzz fuzz-build sweep bench bench-paper bench-peers bench-http bench-plots torture exactness coverage lint format check-layers clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1	\2/p' Makefile docker/packages.mk | expand -t 22
@@ -348,6 +348,14 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc ## each promise tested in its 
 	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \
 	    "the packages in a fresh Debian: installed, run, purged | nothing left | tests/package/run.py --build $(BUILD) --chroot" \
 	    "the container, built and run | no failure | tests/container/run.py --place $(BUILD)/container"
+
+# What the engine answers against a solver in quadruple precision (tests/oracle/naive_windows.h), and the other suites on exact distances.
+EXACT_TESTS   := $(foreach name,fields paths operations,$(BUILD)/tests/property/test_exact_$(name))
+EARLIER_TESTS := $(foreach name,closed_forms oracle laws lipschitz beside zoo segments curve_distance shared_meshes,$(BUILD)/tests/property/test_$(name))
+exactness: build $(EXACT_TESTS) $(EARLIER_TESTS) ## distances and paths beside vertices and in the smallest faces, one table (an hour; ONLY=word)
+	@tests/fault/table.py --only "$(ONLY)" $(foreach program,$(EXACT_TESTS),"$(program) --long") \
+	    "recorded cases, over HTTP | no failure | tests/api/run.py test_exactness" \
+	    "the other suites on exact distances | no failure | tests/run.py $(EARLIER_TESTS)"
 
 # The tests in a build that counts what they run through; without the sandbox, since the counts are written when a daemon ends.
 COVERAGE_BUILD := $(BUILD)/coverage
