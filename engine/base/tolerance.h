@@ -62,11 +62,21 @@
  * the length changes by its square. Well above what unfolding a thousand faces rounds away. */
 #define GD_TOL_SNAP 1e-10
 
-/* ... and up to this part when the finer snap leads past the source: a ray that begins at a wedge's stored end (2^-32 of the edge) is off by more. */
-#define GD_TOL_SNAP_MOST 1e-7
+/* A path whose length disagrees with the distance is traced again with care. A leg then passes
+ * through a vertex that is this part of the way to the leg's nearer end aside. The detour is the
+ * square of this part. The first attempt uses the least value, each further one a step more. */
+#define GD_TOL_ASIDE_LEAST 1e-16
+#define GD_TOL_ASIDE_STEP  100
 
-/* ... and for a path so short that the way through the vertex is no shortest one: between points that lie as close to it as they are to each other. */
-#define GD_TOL_SNAP_LEAST 1e-17
+/* ... added to it: this part of the crossed edge at most, because wedges' ends are stored to 2^-32 of
+ * the edge; and this part of the distance, because rounding decides between wedges in faces that
+ * are smaller. */
+#define GD_TOL_ASIDE_END   1e-9
+#define GD_TOL_ASIDE_NOISE 1e-14
+
+/* ... and when less than this part of a leg is left, its source is looked up again: its place in the
+ * frame of the face has the rounding of the whole leg. */
+#define GD_TOL_ANEW 1e-4
 
 /* A traced ray has reached its pseudo-source when the image lies this close to it, relative to the ray and the face. */
 #define GD_TOL_ARRIVED 1e-6

@@ -159,28 +159,82 @@ static struct gd__stop follow_to_point(struct gd__trail *trail, struct gd__ray r
     return gd__stop_failed(trail, GD_INTERNAL);
 }
 
-/* The same to a segment, which the ray meets at right angles: on an edge that it comes to, or in a face that it enters. */
-static struct gd__stop follow_to_segment(struct gd__trail *trail, struct gd__ray ray)
+/* --- carefully ----------------------------------------------------------------------------------------------------------- */
+
+/* The error of a ray grows with the length of its leg, not with the size of the face that it
+ * crosses. In faces much smaller than the leg, rounding can take the ray past the wrong side of a
+ * vertex, or past its source. A careful ray passes through such a vertex instead: the detour is of
+ * second order, and the birth of the vertex is as exact as the vertex is near to the source. */
+
+/* The vertex within the margin of the crossing at which a ray leaves its face, or GD_NONE. The
+ * crossing is `gone` behind the leg's beginning and `rest` before its source. Each vertex must be
+ * nearer to the source than the one before: faces can be smaller than the rounding of distances,
+ * and there the path would turn in a circle. */
+static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ray *ray, double gone, double rest)
 {
     const struct gd_mesh *mesh = trail->mesh;
-    uint32_t seed = gd__field_seed_of(trail->field, ray.source);
-    const struct gd__seed *s = &trail->field->seeds[seed];
+    double edge = mesh->side[ray->side].length, aside = trail->aside;
+    double margin =
+        aside * fmin(gone, rest) + fmin(aside, GD_TOL_ASIDE_END) * edge + GD_TOL_ASIDE_NOISE * trail->nearest;
+    bool at_origin = ray->t < 0.5 * edge;
+    uint32_t vertex = mesh->origin[at_origin ? ray->side : ray->side ^ 1];
+    if ((at_origin ? ray->t : edge - ray->t) > margin) return GD_NONE;
+    return trail->field->distance[vertex] < trail->nearest ? vertex : GD_NONE;
+}
+
+/* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a vertex
+ * or so close to the source that a new leg from there is more exact. */
+static struct gd_point append_carefully(struct gd__trail *trail, const struct gd__ray *ray, double begun, bool *is_end)
+{
+    uint32_t face = trail->mesh->side_face[ray->side];
+    struct gd_point at = crossing_of(trail, ray);
+    double gone = trail->path.length - begun + gd__trail_run(trail, &at, face), rest = hypot(ray->x - ray->t, ray->y);
+    if (gd__source_is_linear(ray->source))
+        rest = trail->nearest - trail->field->seeds[gd__field_seed_of(trail->field, ray->source)].offset - gone;
+    uint32_t vertex = vertex_beside(trail, ray, gone, rest);
+    if (vertex != GD_NONE) at = gd__point_of_vertex(vertex);
+    gd__trail_append_in_face(trail, at, face);
+    *is_end = at.kind == GD_POINT_VERTEX || rest < GD_TOL_ANEW * gone;
+    return at;
+}
+
+/* The edge or the face of the segment that is the source; both GD_NONE of a point. */
+static bool find_home(const struct gd__trail *trail, uint32_t source, struct gd__home *home)
+{
+    *home = (struct gd__home){.edge = GD_NONE, .face = GD_NONE};
+    if (!gd__source_is_linear(source)) return true;
+    const struct gd__seed *s = &trail->field->seeds[gd__field_seed_of(trail->field, source)];
+    return gd__segment_home(trail->mesh, &s->point, &s->end, home);
+}
+
+/* Follows a careful ray, or any ray to a segment. A ray meets its segment at right angles, on an edge
+ * that it reaches or in a face that it enters. */
+static struct gd__stop follow_slowly(struct gd__trail *trail, struct gd__ray ray)
+{
+    const struct gd_mesh *mesh = trail->mesh;
+    double begun = trail->path.length;
+    bool linear = gd__source_is_linear(ray.source);
     struct gd__home home;
-    if (!gd__segment_home(mesh, &s->point, &s->end, &home)) return gd__stop_failed(trail, GD_INTERNAL);
+    if (!find_home(trail, ray.source, &home)) return gd__stop_failed(trail, GD_INTERNAL);
+    uint32_t seed = linear ? gd__field_seed_of(trail->field, ray.source) : GD_NONE;
     while (trail->steps_left-- && !trail->status) {
         const struct gd_side *across = &mesh->side[ray.side ^ 1];
         struct passage passage;
+        bool is_end = false;
         if (ray.side >> 1 == home.edge) return gd__ray_arrive_at_chord(trail, seed, mesh->side_face[ray.side]);
-        struct gd_point at = append_end(trail, ray);
-        if (at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
-        enter_face(across, &ray, true);
-        if (mesh->side_face[ray.side] == home.face) return gd__ray_arrive_at_chord(trail, seed, home.face);
-        cross_face(across, &ray, &passage, true);
+        struct gd_point at = trail->aside > 0 ? append_carefully(trail, &ray, begun, &is_end) : append_end(trail, ray);
+        if (is_end || at.kind == GD_POINT_VERTEX) return gd__stop_at(at);
+        enter_face(across, &ray, linear);
+        if (linear && mesh->side_face[ray.side] == home.face) return gd__ray_arrive_at_chord(trail, seed, home.face);
+        if (!linear && gd__ray_has_arrived(trail, ray.side, ray.x, ray.y, ray.source))
+            return gd__ray_arrive(trail, mesh->side_face[ray.side], ray.source);
+        cross_face(across, &ray, &passage, linear);
     }
     return gd__stop_failed(trail, GD_INTERNAL);
 }
 
 struct gd__stop gd__ray_follow(struct gd__trail *trail, struct gd__ray ray)
 {
-    return gd__source_is_linear(ray.source) ? follow_to_segment(trail, ray) : follow_to_point(trail, ray);
+    bool slowly = trail->aside > 0 || gd__source_is_linear(ray.source);
+    return slowly ? follow_slowly(trail, ray) : follow_to_point(trail, ray);
 }

@@ -13,11 +13,13 @@ gd__sight_kernel *gd__sight_kernel_in_use(bool linear)
     return linear ? gd__sight_plain_linear : gd__sight_plain;
 }
 
+/* Measured from the end of the leg that is nearer to the edge: the rounding is relative to that end. */
 static double straight_crossing(const struct gd__sight *sight, const struct gd__window *w)
 {
     if (gd__window_is_linear(w)) return sight->x + w->x * (sight->y / w->y);
     double dx = sight->x - w->x, dy = sight->y + w->y;
-    return dy > 0 ? w->x + dx * (w->y / dy) : sight->x;
+    if (!(dy > 0)) return sight->x;
+    return w->y < sight->y ? w->x + dx * (w->y / dy) : sight->x - dx * (sight->y / dy);
 }
 
 double gd__sight_crossing(const struct gd__sight *sight, const struct gd__window *wedge)

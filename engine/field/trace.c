@@ -64,7 +64,8 @@ static struct gd__stop go_from_vertex(struct gd__trail *trail, uint32_t vertex)
     if (gd__ray_has_arrived(trail, birth.side, birth.x, -birth.y, birth.source))
         return gd__ray_arrive(trail, mesh->side_face[birth.side], birth.source);
     double px = s->left_length * s->left_x, py = s->left_length * s->left_y, height = birth.y + py;
-    double t = height > 0 ? birth.x + (px - birth.x) * (birth.y / height) : birth.x;
+    double across = px - birth.x, t = birth.x;
+    if (height > 0) t = birth.y < py ? birth.x + across * (birth.y / height) : px - across * (py / height);
     return gd__ray_follow(
         trail, (struct gd__ray){.side = birth.side, .source = birth.source, .t = t, .x = birth.x, .y = birth.y});
 }
@@ -113,9 +114,11 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
         if (!trail->steps_left--) {
             gd__stop_failed(trail, GD_INTERNAL);
         } else if (stop.kind == GD__STOP_VERTEX) {
+            trail->nearest = trail->field->distance[stop.vertex];
             stop = go_from_vertex(trail, stop.vertex);
         } else {
             struct gd__leg leg = gd__field_leg(trail->field, &stop.point);
+            trail->nearest = leg.distance;
             stop = go_by_leg(trail, &leg);
         }
     }
@@ -124,14 +127,16 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
 
 /* --- the path ------------------------------------------------------------------------------------------------------------ */
 
-/* One attempt; on success the path is the caller's, its length and the distance agree. */
+/* One attempt, with careful rays unless `aside` is 0; on success the path is the caller's, its length and the distance agree. */
 static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
-                               double snap, struct gd_path *out, uint32_t *seed)
+                               double aside, struct gd_path *out, uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__trail trail = {.field = field,
                               .mesh = mesh,
-                              .snap = snap,
+                              .snap = aside > 0 ? 0 : GD_TOL_SNAP,
+                              .aside = aside,
+                              .nearest = leg->distance,
                               .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
     uint32_t end = 0;
     trace_back(&trail, point, leg, &end);
@@ -147,15 +152,16 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
     return GD_OK;
 }
 
+enum { CAREFUL_ATTEMPTS = 7 };
+
 /* The path whose first leg is known. */
 static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
                                   struct gd_path *out, uint32_t *seed)
 {
-    enum gd_status status = GD_INTERNAL;
-    for (double snap = GD_TOL_SNAP; status == GD_INTERNAL && snap <= GD_TOL_SNAP_MOST; snap *= 10)
-        status = try_path(field, point, leg, snap, out, seed);
-    for (double snap = 0.01 * GD_TOL_SNAP; status == GD_INTERNAL && snap >= GD_TOL_SNAP_LEAST; snap *= 0.01)
-        status = try_path(field, point, leg, snap, out, seed);
+    enum gd_status status = try_path(field, point, leg, 0, out, seed);
+    double aside = GD_TOL_ASIDE_LEAST;
+    for (int i = 0; i < CAREFUL_ATTEMPTS && status == GD_INTERNAL; i++, aside *= GD_TOL_ASIDE_STEP)
+        status = try_path(field, point, leg, aside, out, seed);
     return status;
 }
 

@@ -35,14 +35,18 @@ void gd__trail_append(struct gd__trail *trail, struct gd_point point, double len
     path->length += length;
 }
 
-void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face)
+/* Differences of weights, in the frame of the nearest corner, keep short segments exact. */
+double gd__trail_run(const struct gd__trail *trail, const struct gd_point *point, uint32_t face)
 {
-    if (trail->status) return;
     double from[3], to[3];
     gd__point_weights(trail->mesh, &trail->path.points[trail->path.count - 1], face, from);
-    gd__point_weights(trail->mesh, &point, face, to);
-    struct gd__local way = gd__way_in_face(trail->mesh, face, gd__main_corner(from), from, to);
-    gd__trail_append(trail, point, gd__local_length(way));
+    gd__point_weights(trail->mesh, point, face, to);
+    return gd__local_length(gd__way_in_face(trail->mesh, face, gd__main_corner(from), from, to));
+}
+
+void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face)
+{
+    if (!trail->status) gd__trail_append(trail, point, gd__trail_run(trail, &point, face));
 }
 
 struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t side, double t)

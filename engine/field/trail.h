@@ -12,6 +12,8 @@ struct gd__trail {
     struct gd_path path; /* the caller's in the end */
     uint32_t capacity;
     double snap;         /* part of an edge within which a crossing is at its end */
+    double aside;        /* GD_TOL_ASIDE_LEAST or more: the rays are careful (ray.c); 0: they are not */
+    double nearest;      /* distance of the point at which the leg began */
     uint64_t steps_left; /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
     enum gd_status status;
 };
@@ -27,6 +29,9 @@ static inline bool gd__trail_reserve(struct gd__trail *trail)
 
 /* Appends a point, unless it is the last one again, to which it is so far. */
 void gd__trail_append(struct gd__trail *trail, struct gd_point point, double length);
+
+/* Distance between a point of a face and the last point, which lies in that face too. */
+double gd__trail_run(const struct gd__trail *trail, const struct gd_point *point, uint32_t face);
 
 /* Appends a point of a face in which the last point lies too. The length is that of the segment itself, measured in the face: nothing of the
  * distances that the wedges gave enters it, so that the two can be compared. */

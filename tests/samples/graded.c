@@ -4,16 +4,39 @@
 #include "tests/samples/random.h"
 #include "tests/samples/samples.h"
 
-/* The ring's vertices, at equal angles up to the jitter. */
-static void add_ring(struct sample_builder *builder, const struct sample_grading *grading, double radius,
-                     struct rng *rng)
+/* Ring 0 is the rim, ring k has the radius ratio^-k. The apex is the origin, so that coordinates are
+ * exact relative to the smallest ring. */
+static void add_vertex_of_ring(struct sample_builder *builder, const struct sample_grading *grading, double turn,
+                               uint32_t ring, struct rng *rng)
 {
-    double turn = 2 * M_PI / grading->sides * grading->jitter * rng_unit(rng);
-    for (uint32_t i = 0; i < grading->sides; i++) {
-        double angle = turn + 2 * M_PI / grading->sides * (i + grading->jitter * rng_between(rng, -0.5, 0.5));
-        double r = radius * (1 + grading->jitter * rng_between(rng, -0.3, 0.3));
-        double height = grading->bend * (0.5 + grading->jitter * rng_between(rng, -1, 1));
-        sample_add_vertex(builder, r * cos(angle), r * sin(angle), r * height);
+    double height = grading->bend + grading->noise * rng_between(rng, -1, 1);
+    double angle = turn + grading->noise * rng_between(rng, -1, 1) / grading->sectors;
+    double r = pow(grading->ratio, -(double)ring) * (1 + 0.3 * grading->noise * rng_between(rng, -1, 1));
+    sample_add_vertex(builder, r * cos(angle), r * sin(angle), ring ? r * (1 - r) * height : 0);
+}
+
+/* The rings inside the rim and the apex. `is_back`: from outside, sectors run clockwise. */
+static void add_patch(struct sample_builder *builder, const struct sample_grading *grading, bool is_back,
+                      struct rng *rng)
+{
+    uint32_t sectors = grading->sectors, outer = 0, first = builder->mesh.position_count;
+    struct sample_grading own = *grading;
+    if (is_back) own.bend = -own.bend;
+    for (uint32_t ring = 1; ring <= grading->rings; ring++) {
+        double turn = 2 * M_PI * rng_unit(rng) / sectors;
+        for (uint32_t sector = 0; sector < sectors; sector++)
+            add_vertex_of_ring(builder, &own, 2 * M_PI * sector / sectors + 0.5 * turn, ring, rng);
+    }
+    uint32_t apex = sample_add_vertex(builder, 0, 0, 0);
+    for (uint32_t inner = first; inner <= apex; outer = inner, inner += sectors) {
+        for (uint32_t i = 0; i < sectors; i++) {
+            uint32_t next = (i + 1) % sectors, a = outer + (is_back ? next : i), b = outer + (is_back ? i : next);
+            uint32_t c = inner + (is_back ? i : next), d = inner + (is_back ? next : i);
+            if (inner == apex)
+                sample_add_triangle(builder, a, b, apex);
+            else
+                sample_add_quad(builder, a, b, c, d);
+        }
     }
 }
 
@@ -21,17 +44,8 @@ enum gd_status sample_graded(const struct sample_grading *grading, uint64_t seed
 {
     struct sample_builder builder = {0};
     struct rng rng = {seed};
-    uint32_t sides = grading->sides;
-    sample_add_vertex(&builder, 0, 0, 0);
-    for (uint32_t ring = 0; ring < grading->rings; ring++) {
-        add_ring(&builder, grading, pow(grading->ratio, (double)ring + 1 - grading->rings), &rng);
-        for (uint32_t i = 0; i < sides; i++) {
-            uint32_t outer = 1 + ring * sides, next = (i + 1) % sides, inner = outer - sides;
-            if (ring == 0)
-                sample_add_triangle(&builder, 0, outer + i, outer + next);
-            else
-                sample_add_quad(&builder, inner + i, outer + i, outer + next, inner + next);
-        }
-    }
+    for (uint32_t sector = 0; sector < grading->sectors; sector++)
+        add_vertex_of_ring(&builder, grading, 2 * M_PI * sector / grading->sectors, 0, &rng);
+    for (uint32_t patch = 0; patch < grading->patches; patch++) add_patch(&builder, grading, patch > 0, &rng);
     return sample_finish(&builder, out);
 }

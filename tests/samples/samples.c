@@ -43,15 +43,20 @@ static enum gd_status make_cylinder(const double *v, struct gd_polygons *out)
     return sample_cylinder(v[0], v[1], whole(v[2]), whole(v[3]), out);
 }
 
+static enum gd_status make_graded(const double *v, struct gd_polygons *out)
+{
+    struct sample_grading grading = {.patches = whole(v[0]),
+                                     .sectors = whole(v[1]),
+                                     .rings = whole(v[2]),
+                                     .ratio = v[3],
+                                     .bend = v[4],
+                                     .noise = v[5]};
+    return sample_graded(&grading, (uint64_t)v[6], out);
+}
+
 static enum gd_status make_terrain(const double *v, struct gd_polygons *out)
 {
     return sample_terrain(whole(v[0]), v[1], (uint64_t)v[2], out);
-}
-
-static enum gd_status make_graded(const double *v, struct gd_polygons *out)
-{
-    struct sample_grading grading = {whole(v[0]), whole(v[1]), v[2], v[3], v[4]};
-    return sample_graded(&grading, (uint64_t)v[5], out);
 }
 
 static enum gd_status make_genus2(const double *v, struct gd_polygons *out)
@@ -150,19 +155,20 @@ const struct sample samples[] = {
      "the mantle of a prism, open at both ends",
      {{LENGTH("radius", 1)}, {LENGTH("height", 2)}, {COUNT("sides", 32, 3, 131072)}, {COUNT("rings", 16, 1, 4096)}},
      make_cylinder},
+    {"graded",
+     "rings around an apex, each a ratio smaller than the one outside it",
+     {{COUNT("patches", 1, 1, 2)},
+      {COUNT("sectors", 6, 3, 4096)},
+      {COUNT("rings", 8, 1, 100)},
+      {"ratio", 10, 1.5, 1e6, false},
+      {"bend", 0.5, -10, 10, false},
+      {"noise", 0, 0, 0.9, false},
+      {SEED}},
+     make_graded},
     {"terrain",
      "fractal heights over the unit square",
      {{COUNT("cells", 64, 1, 2048)}, {LENGTH("amplitude", 0.2)}, {SEED}},
      make_terrain},
-    {"graded",
-     "rings around a point, each smaller than the one outside by a ratio",
-     {{COUNT("sides", 6, 4, 1000)},
-      {COUNT("rings", 7, 1, 20)},
-      {"ratio", 10, 1.5, 1000, false},
-      {"bend", 0, -10, 10, false},
-      {"jitter", 0.2, 0, 0.5, false},
-      {SEED}},
-     make_graded},
     {"genus2",
      "a smoothed, bumpy slab with two holes",
      {{COUNT("cells", 8, 1, 128)}, {"bump", 0.02, 0, 0.05, false}},

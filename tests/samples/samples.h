@@ -64,22 +64,22 @@ GD_MUST_USE enum gd_status sample_cone(double radius, double height, uint32_t se
 GD_MUST_USE enum gd_status sample_saddle(double radius, double amplitude, uint32_t sectors, uint32_t rings,
                                          struct gd_polygons *out);
 
+/* Rings around an apex, each `ratio` times smaller than the one outside it. Two patches share a rim
+ * of radius 1, back to back. Near its apex a patch rises by `bend` times the radius. Places and
+ * heights are off by up to `noise` times the radius. */
+struct sample_grading {
+    uint32_t patches; /* 1 or 2 */
+    uint32_t sectors, rings;
+    double ratio, bend, noise;
+};
+GD_MUST_USE enum gd_status sample_graded(const struct sample_grading *grading, uint64_t seed, struct gd_polygons *out);
+
 /* A prism's mantle around the z axis between z = 0 and z = height, open at both ends. */
 GD_MUST_USE enum gd_status sample_cylinder(double radius, double height, uint32_t sides, uint32_t rings,
                                            struct gd_polygons *out);
 
 /* Heights of fractal noise over the unit square of cells x cells. */
 GD_MUST_USE enum gd_status sample_terrain(uint32_t cells, double amplitude, uint64_t seed, struct gd_polygons *out);
-
-/* Rings of vertices around the origin, the outermost of radius 1, each one inside it smaller by the ratio. */
-struct sample_grading {
-    uint32_t sides, rings;
-    double ratio;
-    double bend;   /* height over radius is half of this: 0 is flat */
-    double jitter; /* 0 to 0.5: how far angles, radii, heights and the rings' turns are random */
-};
-
-GD_MUST_USE enum gd_status sample_graded(const struct sample_grading *grading, uint64_t seed, struct gd_polygons *out);
 
 /* A slab with two holes, smoothed and bumped: closed, genus 2; 100 cells^2 faces. */
 GD_MUST_USE enum gd_status sample_genus2(uint32_t cells, double bump, struct gd_polygons *out);
