@@ -41,6 +41,10 @@
 #define GD_TOL_POLISH_STEP     1e-4
 #define GD_TOL_ROOT_SEPARATION 1e-12
 
+/* An edge shorter than this part of the distance of its end is no more than rounding to distances there:
+ * the way along it is as good as any other. */
+#define GD_TOL_LOST 1e-12
+
 /* Two windows of one pseudo-source are one when their unfolded sources agree to this part of their distance. */
 #define GD_TOL_SAME_SOURCE 1e-11
 

@@ -29,29 +29,61 @@ struct check {
     bool failed[CHECK_PARTS];
 };
 
-/* The metric's own law on every edge within reach: a neighbour is no farther than the edge between (so no vertex was left out either). Where windows
- * tie to the last bit all along, as round a very thin tube, rounding may displace all of them: then there is no answer, rather than a wrong one. */
+/* The metric's own law on an edge within reach: a neighbour is no farther than the edge between (so no
+ * vertex was left out either). */
+static bool breaks_law(const struct gd_field *field, uint32_t side)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    double a = field->distance[mesh->origin[side]], b = field->distance[mesh->origin[side + 1]];
+    double nearer = a < b ? a : b, through = nearer + mesh->side[side].length;
+    return nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach;
+}
+
 static void check_edges(void *context, uint32_t part)
 {
     struct check *check = context;
-    const struct gd_field *field = check->field;
-    const struct gd_mesh *mesh = field->mesh;
+    const struct gd_mesh *mesh = check->field->mesh;
     uint32_t first = (uint32_t)((uint64_t)part * mesh->edge_count / CHECK_PARTS),
              end = (uint32_t)((uint64_t)(part + 1) * mesh->edge_count / CHECK_PARTS);
-    for (uint32_t side = 2 * first; side < 2 * end; side += 2) {
-        double a = field->distance[mesh->origin[side]], b = field->distance[mesh->origin[side + 1]];
-        double nearer = a < b ? a : b, through = nearer + mesh->side[side].length;
-        if (nearer + fabs(a - b) > through * (1 + GD_TOL_CHECK) && through <= field->reach) check->failed[part] = true;
-    }
+    for (uint32_t side = 2 * first; side < 2 * end; side += 2)
+        if (breaks_law(check->field, side)) check->failed[part] = true;
 }
 
-static enum gd_status check_field(const struct gd_field *field, const struct gd_executor *executor)
+static bool obeys_law(const struct gd_field *field, const struct gd_executor *executor)
 {
     struct check check = {.field = field};
+    bool failed = false;
     gd_executor_run(field->mesh->edge_count < CHECK_LEAST ? NULL : executor, check_edges, &check, CHECK_PARTS);
-    for (int part = 0; part < CHECK_PARTS; part++)
-        if (check.failed[part]) return GD_INTERNAL;
-    return GD_OK;
+    for (int part = 0; part < CHECK_PARTS; part++) failed |= check.failed[part];
+    return !failed;
+}
+
+/* Gives the farther end of an edge the way along the edge, which must be no more than rounding to the
+ * nearer end's distance. */
+static bool mend_edge(struct gd_field *field, uint32_t side)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    uint32_t near = mesh->origin[side], far = mesh->origin[side + 1];
+    if (field->distance[far] < field->distance[near]) near = far, far = mesh->origin[side];
+    if (mesh->side[side].length > GD_TOL_LOST * field->distance[near]) return false;
+    field->distance[far] = field->distance[near] + mesh->side[side].length;
+    if (field->birth) field->birth[far] = (struct gd__birth){.side = GD_NONE, .source = near};
+    return true;
+}
+
+/* Where windows tie to the last bit all along, rounding may displace all of them, and vertices keep a
+ * distance that is too long, or none. In faces as small as rounding the ways along edges are as good.
+ * Elsewhere, as round a very thin tube, there is no answer rather than a wrong one. Distances only
+ * fall, so that this ends. */
+static enum gd_status mend_field(struct gd_field *field)
+{
+    bool is_mended = true;
+    for (uint32_t pass = 0; is_mended && pass < field->mesh->vertex_count; pass++) {
+        is_mended = false;
+        for (uint32_t side = 0; side < 2 * field->mesh->edge_count; side += 2)
+            if (breaks_law(field, side)) is_mended |= mend_edge(field, side);
+    }
+    return obeys_law(field, NULL) ? GD_OK : GD_INTERNAL;
 }
 
 enum gd_status gd__field_take(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
@@ -88,7 +120,7 @@ enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__prop
     uint64_t start = gd_now_ns();
     struct gd__sink take = {.take = gd__field_take, .user = field};
     enum gd_status status = gd__wavefront_run(field->mesh, propagation, &take, control, executor);
-    if (!status) status = check_field(field, executor);
+    if (!status && !obeys_law(field, executor)) status = mend_field(field);
     field->bytes = gd__field_bytes(field);
     field->statistics.build_ns = gd_now_ns() - start;
     return status;

@@ -153,13 +153,19 @@ static void seed_edge(struct gd__wavefront *front, struct gd__laying *laying, ui
     if (is_beside) gd__emit_beside(front, seed, &polar);
 }
 
-/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind. */
+static void reach_vertex(struct gd__wavefront *front, uint32_t seed)
+{
+    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
+    gd__wavefront_reach(front, front->seeds[seed].point.element, front->seeds[seed].offset, birth);
+}
+
+/* A seed at a vertex makes the vertex a pseudo-source, whatever its kind, unless another is nearer. */
 static void seed_vertex(struct gd__wavefront *front, uint32_t seed)
 {
     uint32_t vertex = front->seeds[seed].point.element;
-    struct gd__birth birth = {.side = GD_NONE, .source = front->mesh->vertex_count + seed};
-    gd__wavefront_reach(front, vertex, front->seeds[seed].offset, birth);
-    if (!front->status && gd__wavefront_birth(front, vertex)->source == birth.source) gd__emit_vertex(front, vertex);
+    if (front->distance[vertex] < GD__FAR &&
+        gd__wavefront_birth(front, vertex)->source == front->mesh->vertex_count + seed)
+        gd__emit_vertex(front, vertex);
 }
 
 /* --- segments ------------------------------------------------------------------------------------------------------------ */
@@ -287,27 +293,31 @@ static void emit_seed(struct gd__wavefront *front, struct gd__laying *laying, ui
         seed_segment(front, laying, seed);
         return;
     }
-    if (front->domain) front->domain->is_common = front->seeds[seed].point.kind != GD_POINT_VERTEX;
-    switch (front->seeds[seed].point.kind) {
-    case GD_POINT_VERTEX:
-        seed_vertex(front, seed);
-        break;
-    case GD_POINT_EDGE:
+    if (front->domain) front->domain->is_common = true;
+    if (front->seeds[seed].point.kind == GD_POINT_EDGE)
         seed_edge(front, laying, seed);
-        break;
-    case GD_POINT_FACE:
+    else
         seed_face(front, laying, seed);
-        break;
-    }
+    if (front->domain) front->domain->is_common = false;
 }
 
+static bool is_at_vertex(const struct gd__seed *seed)
+{
+    return !seed->is_segment && seed->point.kind == GD_POINT_VERTEX;
+}
+
+/* Vertices emit last, once the nearest of their seeds is known: windows that a vertex has cast with a
+ * distance that then falls are dropped, be they all that ties have left. */
 void gd__emit_seeds(struct gd__wavefront *front)
 {
     struct gd__laying laying;
     gd__laying_begin(&laying);
+    for (uint32_t i = 0; i < front->seed_count && !front->status; i++)
+        if (is_at_vertex(&front->seeds[i])) reach_vertex(front, i);
     for (uint32_t i = 0; i < front->seed_count && !front->status; i++) {
         if (!front->seeds[i].is_segment) look_ahead(front, &laying, i);
-        emit_seed(front, &laying, i);
+        if (!is_at_vertex(&front->seeds[i])) emit_seed(front, &laying, i);
     }
-    if (front->domain) front->domain->is_common = false;
+    for (uint32_t i = 0; i < front->seed_count && !front->status; i++)
+        if (is_at_vertex(&front->seeds[i])) seed_vertex(front, i);
 }
