@@ -7,6 +7,10 @@
  * a large assembly has its own scale. */
 #define GD_TOL_BETTER 1e-14
 
+/* A window gives way to what its source casts again once the source is nearer by more than this times
+ * the window's distance: some ties of a contest. */
+#define GD_TOL_STALE 1e-13
+
 /* A window narrower than this part of its edge is dropped; the vertex candidates close the gap to second order in the angle that it subtends,
  * which is at most GD_TOL_WIDTH / GD_TOL_FLAT. */
 #define GD_TOL_WIDTH 1e-13

@@ -136,18 +136,27 @@ void gd__cast(struct gd__wavefront *front, const struct gd__receiver *at, const 
     cast(front, at, windows, count);
 }
 
-/* Drops windows whose source is nearer now than when it cast them: it casts them again. See remind.c. */
-static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t count)
+/* The window's source has come nearer since it cast the window, and by more than a contest makes of a
+ * tie: what it has cast again has not lost to this window. */
+static bool is_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t i, double length)
 {
-    uint32_t vertices = front->mesh->vertex_count, stale = 0, kept = 0;
-    for (uint32_t i = 0; i < count; i++)
-        stale += w->source[i] < vertices && w->sigma[i] != front->distance[w->source[i]];
-    for (uint32_t i = 0; i < count && stale; i++) {
-        if (w->source[i] < vertices && w->sigma[i] != front->distance[w->source[i]]) continue;
+    if (w->source[i] >= front->mesh->vertex_count) return false;
+    double reach = w->sigma[i] + fabs(w->x[i]) + w->y[i] + length;
+    return w->sigma[i] - front->distance[w->source[i]] > GD_TOL_STALE * reach;
+}
+
+/* Drops windows that are cast again from nearer. See remind.c. */
+static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t count,
+                           double length)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (is_stale(front, w, i, length)) continue;
         struct gd__window window = gd__windows_get(w, i);
-        gd__windows_put(w, kept++, &window);
+        if (kept < i) gd__windows_put(w, kept, &window);
+        kept++;
     }
-    return stale ? kept : count;
+    return kept;
 }
 
 /* What is left of a side's windows after all that is known of the edge. */
@@ -159,7 +168,7 @@ static enum gd_status prune(struct gd__wavefront *front, const struct gd__receiv
         d0 = fmin(d0, front->bound - at->l0);
         d1 = fmin(d1, front->bound - at->l1);
     }
-    if (list->falls != front->falls) *count = drop_stale(front, windows, *count);
+    if (list->falls != front->falls) *count = drop_stale(front, windows, *count, at->length);
     bool own = list->visits > (front->methods.no_filter ? 1 : REMIND_AFTER), twin = front->methods.one_list;
     enum gd_status status = own || twin ? gd__remind(front, at->side, own, twin, windows, count) : GD_OK;
     if (!status && !front->methods.no_filter) *count = front->kernel->filter(windows, *count, at->length, d0, d1);
