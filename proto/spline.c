@@ -95,17 +95,7 @@ static bool decode_shape(const json_t *value, struct proto_spline *spline, struc
 static bool decode_tangent(const json_t *value, const char *place, struct proto_segment *out,
                            struct proto_problem *problem)
 {
-    static const char *const members[] = {"direction", "length", NULL};
-    char where[PLACE + 16];
-    if (!proto_decode_object(value, place, members, problem)) return false;
-    const json_t *direction = proto_decode_member(value, place, "direction", problem);
-    snprintf(where, sizeof where, "%s/direction", place);
-    if (!direction || !proto_direction_decode(direction, where, &out->direction, problem) ||
-        !proto_decode_number(value, place, "length", &out->length, problem))
-        return false;
-    if (out->length >= 0 && out->length <= PROTO_VECTOR_LENGTH) return true;
-    proto_problem_refuse(problem, place, "a length is a number from 0 to %g", PROTO_VECTOR_LENGTH);
-    return proto_problem_descend(problem, "length");
+    return proto_vector_check(value, place, problem) && proto_segment_decode(value, place, out, problem);
 }
 
 static bool decode_tangents(const json_t *value, struct proto_spline *spline, struct proto_problem *problem)

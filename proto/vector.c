@@ -32,16 +32,18 @@ static bool decode_length(const json_t *value, const char *place, double *out, s
     return proto_problem_descend(problem, "length");
 }
 
-/* The object may have other members. */
-static bool decode_segment(const json_t *value, const char *place, struct proto_segment *out,
-                           struct proto_problem *problem)
+bool proto_segment_decode(const json_t *value, const char *place, struct proto_segment *out,
+                          struct proto_problem *problem)
 {
     char where[PLACE];
     const json_t *direction = proto_decode_member(value, place, "direction", problem);
     if (!direction) return false;
     snprintf(where, sizeof where, "%s/direction", place);
-    return proto_direction_decode(direction, where, &out->direction, problem) &&
-           decode_length(value, place, &out->length, problem);
+    out->has_direction = !json_is_null(direction);
+    if (out->has_direction && !proto_direction_decode(direction, where, &out->direction, problem)) return false;
+    if (!decode_length(value, place, &out->length, problem)) return false;
+    return out->has_direction || out->length == 0 ||
+           proto_problem_refuse(problem, where, "only a vector of length 0 has no direction");
 }
 
 static bool decode_segments(const json_t *array, const char *place, struct proto_segment *out,
@@ -53,7 +55,8 @@ static bool decode_segments(const json_t *array, const char *place, struct proto
         const json_t *value = json_array_get(array, i);
         snprintf(where, sizeof where, "%s/segments/%zu", place, i);
         if (!proto_decode_object(value, where, members, problem)) return false;
-        if (!decode_segment(value, where, &out[i], problem)) return false;
+        if (!proto_segment_decode(value, where, &out[i], problem)) return false;
+        if (!out[i].has_direction) return proto_problem_refuse(problem, where, "a segment has a direction");
     }
     return true;
 }
@@ -67,16 +70,41 @@ static bool refuse_number(const char *place, struct proto_problem *problem)
     return proto_problem_limit(problem, PROTO_VECTORS);
 }
 
-/* How many segments a vector has; 0: it is none, with the problem. */
-static size_t count_segments(const json_t *value, const char *place, struct proto_problem *problem)
+bool proto_vector_check(const json_t *value, const char *place, struct proto_problem *problem)
 {
-    static const char *const members[] = {"direction", "length", "segments", NULL};
-    if (!proto_decode_object(value, place, members, problem)) return 0;
-    const json_t *segments = json_object_get(value, "segments");
-    if (!segments) return 1;
-    if (!json_array_size(segments))
-        proto_problem_refuse(problem, place, "segments is an array of at least one direction and length");
-    return json_array_size(segments);
+    static const char *const members[] = {"direction", "length", "reason", "segments", "cut_locus", NULL};
+    bool is_cut;
+    if (!proto_decode_object(value, place, members, problem)) return false;
+    const json_t *reason = json_object_get(value, "reason");
+    if (reason && !json_is_string(reason)) {
+        proto_problem_refuse(problem, place, "expected a string here");
+        return proto_problem_descend(problem, "reason");
+    }
+    return proto_decode_flag(value, place, "cut_locus", &is_cut, problem);
+}
+
+/* log answers null for a vertex without faces, and null for direction and length where no path leads. */
+static bool exists(const json_t *value)
+{
+    const json_t *direction = json_object_get(value, "direction"), *length = json_object_get(value, "length");
+    return !json_is_null(value) && !(json_is_null(direction) && json_is_null(length));
+}
+
+/* The segments that count, or NULL: the vector's own direction and length do. */
+static const json_t *segments_of(const json_t *value, bool is_straight)
+{
+    return is_straight && json_object_get(value, "direction") ? NULL : json_object_get(value, "segments");
+}
+
+static bool count_segments(const json_t *value, const char *place, bool is_straight, size_t *out,
+                           struct proto_problem *problem)
+{
+    *out = 0;
+    if (!json_is_null(value) && !proto_vector_check(value, place, problem)) return false;
+    if (!exists(value)) return true;
+    const json_t *segments = segments_of(value, is_straight);
+    *out = segments ? json_array_size(segments) : 1;
+    return *out || proto_problem_refuse(problem, place, "segments is an array of at least one direction and length");
 }
 
 static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
@@ -85,14 +113,14 @@ static void place_of(char place[PROTO_DIRECTION_PLACE], uint32_t i)
 }
 
 /* Counts the segments of all into `first`. */
-static bool measure(const json_t *array, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool measure(const json_t *array, bool is_straight, struct proto_vectors *vectors, struct proto_problem *problem)
 {
     size_t total = 0;
     for (uint32_t i = 0; i < vectors->count; i++) {
         char place[PROTO_DIRECTION_PLACE];
+        size_t segments;
         place_of(place, i);
-        size_t segments = count_segments(json_array_get(array, i), place, problem);
-        if (!segments) return false;
+        if (!count_segments(json_array_get(array, i), place, is_straight, &segments, problem)) return false;
         vectors->first[i] = (uint32_t)total;
         total += segments;
         if (total > PROTO_VECTORS) return refuse_number("/vectors", problem);
@@ -101,14 +129,16 @@ static bool measure(const json_t *array, struct proto_vectors *vectors, struct p
     return true;
 }
 
-static bool fill(const json_t *array, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool fill(const json_t *array, bool is_straight, struct proto_vectors *vectors, struct proto_problem *problem)
 {
     for (uint32_t i = 0; i < vectors->count; i++) {
         char place[PROTO_DIRECTION_PLACE];
-        const json_t *value = json_array_get(array, i), *segments = json_object_get(value, "segments");
+        const json_t *value = json_array_get(array, i), *segments = segments_of(value, is_straight);
         struct proto_segment *out = &vectors->segments[vectors->first[i]];
         place_of(place, i);
-        if (!(segments ? decode_segments(segments, place, out, problem) : decode_segment(value, place, out, problem)))
+        if (vectors->first[i] == vectors->first[i + 1]) continue;
+        if (!(segments ? decode_segments(segments, place, out, problem)
+                       : proto_segment_decode(value, place, out, problem)))
             return false;
     }
     return true;
@@ -119,7 +149,8 @@ static bool refuse_memory(struct proto_problem *problem)
     return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
 }
 
-static bool decode_list(const json_t *document, struct proto_vectors *vectors, struct proto_problem *problem)
+static bool decode_list(const json_t *document, bool is_straight, struct proto_vectors *vectors,
+                        struct proto_problem *problem)
 {
     const json_t *array = proto_decode_member(document, "", "vectors", problem);
     if (!array) return false;
@@ -128,9 +159,9 @@ static bool decode_list(const json_t *document, struct proto_vectors *vectors, s
     vectors->count = (uint32_t)json_array_size(array);
     vectors->first = malloc((vectors->count + 1) * sizeof *vectors->first);
     if (!vectors->first) return refuse_memory(problem);
-    if (!measure(array, vectors, problem)) return false;
-    vectors->segments = malloc(vectors->first[vectors->count] * sizeof *vectors->segments);
-    return vectors->segments ? fill(array, vectors, problem) : refuse_memory(problem);
+    if (!measure(array, is_straight, vectors, problem)) return false;
+    vectors->segments = malloc((vectors->first[vectors->count] + 1) * sizeof *vectors->segments);
+    return vectors->segments ? fill(array, is_straight, vectors, problem) : refuse_memory(problem);
 }
 
 static bool decode_factors(const json_t *document, struct proto_vectors *vectors, struct proto_problem *problem)
@@ -141,23 +172,27 @@ static bool decode_factors(const json_t *document, struct proto_vectors *vectors
     return proto_decode_numbers(document, "", "combine", vectors->count, vectors->factors, problem);
 }
 
-/* A combination is of vectors of one segment: what bends has no sum. */
+/* The sum is of vectors that exist and have a direction and a length of their own. */
 static bool check_combination(const struct proto_vectors *vectors, struct proto_problem *problem)
 {
     for (uint32_t i = 0; vectors->factors && i < vectors->count; i++) {
-        if (vectors->first[i + 1] - vectors->first[i] == 1) continue;
+        uint32_t segments = vectors->first[i + 1] - vectors->first[i];
+        if (segments == 1) continue;
         char place[PROTO_DIRECTION_PLACE];
         place_of(place, i);
-        return proto_problem_refuse(problem, place,
-                                    "a vector of several segments can't be combined; leave its segments out");
+        return proto_problem_refuse(problem, place, "%s",
+                                    segments ? "segments alone can't be combined; send direction and length as well"
+                                             : "no path leads there, so there is no vector to combine; leave it out");
     }
     return true;
 }
 
-static bool decode_vectors(const json_t *document, struct proto_vectors *out, struct proto_problem *problem)
+/* `is_straight`: a vector that has a direction of its own needs no segments. */
+static bool decode_vectors(const json_t *document, bool is_straight, struct proto_vectors *out,
+                           struct proto_problem *problem)
 {
     struct proto_vectors vectors = {0};
-    if (decode_list(document, &vectors, problem) && decode_factors(document, &vectors, problem) &&
+    if (decode_list(document, is_straight, &vectors, problem) && decode_factors(document, &vectors, problem) &&
         check_combination(&vectors, problem)) {
         *out = vectors;
         return true;
@@ -175,7 +210,8 @@ bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct prot
     if (!proto_decode_object(document, "", members, problem)) return false;
     const json_t *start = proto_decode_member(document, "", "start", problem);
     if (!start || !proto_point_decode(start, "/start", &wanted.start, problem)) return false;
-    if (!decode_vectors(document, &wanted.vectors, problem)) return false;
+    bool is_combined = json_object_get(document, "combine") != NULL;
+    if (!decode_vectors(document, is_combined, &wanted.vectors, problem)) return false;
     *out = wanted;
     return true;
 }
@@ -220,7 +256,7 @@ bool proto_transport_decode(const json_t *document, struct proto_transport *out,
     if (!proto_decode_object(document, "", members, problem)) return false;
     if (decode_end(document, "/from", &transport.ends, problem) &&
         decode_end(document, "/to", &transport.ends, problem) &&
-        decode_vectors(document, &transport.vectors, problem)) {
+        decode_vectors(document, true, &transport.vectors, problem)) {
         *out = transport;
         return true;
     }
@@ -231,7 +267,8 @@ bool proto_transport_decode(const json_t *document, struct proto_transport *out,
 bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point, const struct proto_segment *segment,
                           struct gd_vector *out, struct proto_problem *problem)
 {
-    out->length = segment->length;
+    *out = (struct gd_vector){.length = segment->length};
+    if (!segment->has_direction) return true;
     return proto_direction_locate(mesh, point, &segment->direction, &out->direction, problem);
 }
 

@@ -4,7 +4,9 @@
  *     log        {"from", "to", "first_vector_only"?}      -> {"from", "vectors"}
  *     transport  {"from", "to", "vectors", "combine"?}     -> {"from", "to", "distance", "reason"?, "vectors"}
  *
- * A vector is {"direction", "length"}, or {"segments": [{"direction", "length"}…]}, or all three, as log has it: then the segments count. */
+ * A vector is {"direction", "length"}, {"segments": [{"direction", "length"}…]}, or a vector as log answers it, with all three,
+ * "cut_locus" and "reason". exp traces the segments where there are any. transport and combine use direction and
+ * length where they are given. */
 #ifndef PROTO_VECTOR_H
 #define PROTO_VECTOR_H
 
@@ -17,11 +19,13 @@
 #define PROTO_VECTOR_LENGTH 1e150 /* as coordinates */
 
 struct proto_segment {
+    bool has_direction; /* false: the length is 0 */
     struct proto_direction direction;
     double length;
 };
 
-/* The vectors of a request: vector i has the segments first[i] to first[i + 1] - 1, at least one. All zero is an empty list. */
+/* The vectors of a request: vector i has the segments first[i] to first[i + 1] - 1; none: no path leads to where log was asked. All zero is an
+ * empty list. */
 struct proto_vectors {
     struct proto_segment *segments;
     uint32_t *first; /* count + 1 */
@@ -52,7 +56,14 @@ bool proto_exp_decode(const json_t *document, struct proto_exp *out, struct prot
 bool proto_log_decode(const json_t *document, struct proto_log *out, struct proto_problem *problem);
 bool proto_transport_decode(const json_t *document, struct proto_transport *out, struct proto_problem *problem);
 
-/* Lays a vector of one segment on the surface at a point, as proto_direction_locate does. */
+/* Is the value an object with no members but those of a vector that log answers? Checks only the members that carry no geometry. invalid_request. */
+bool proto_vector_check(const json_t *value, const char *place, struct proto_problem *problem);
+
+/* Decodes "direction" and "length". A null direction is of a vector of length 0. Other members are not looked at. invalid_request. */
+bool proto_segment_decode(const json_t *value, const char *place, struct proto_segment *out,
+                          struct proto_problem *problem);
+
+/* Lays a vector of one segment on the surface at a point, as proto_direction_locate does; without a direction, any of length 0. */
 bool proto_segment_locate(const struct gd_mesh *mesh, const struct gd_point *point, const struct proto_segment *segment,
                           struct gd_vector *out, struct proto_problem *problem);
 

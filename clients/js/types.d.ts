@@ -539,10 +539,12 @@ export type TraceAnswer = {
   paths?: TracedPath[];
 };
 
-/** `direction` and `length`, or `segments`; of all three, as `log` answers them, the segments count. */
+/** `direction` and `length`, or `segments`, or any vector that `log` answers, as it is. `exp` traces the segments of a vector that has both; `transport` and `combine` use its direction and length. The direction of a vector of length 0 may be `null`. The length `null` says that no path leads there. `reason` and `cut_locus` change nothing. */
 export type VectorRequest = {
-  direction?: DirectionRequest;
-  length?: number;
+  direction?: (DirectionRequest | null);
+  length?: (number | null);
+  reason?: string;
+  cut_locus?: boolean;
   /** One after the other; after the first a direction is an angle. */
   segments?: Array<{
     direction: DirectionRequest;
@@ -565,17 +567,19 @@ export type TangentVector = {
 
 export type ExpRequest = {
   start: Point;
-  /** At most 10000, and as many segments in all. */
-  vectors: VectorRequest[];
-  /** A factor for each vector, which has one segment. */
+  /** At most 10000, and as many segments in all. `null`, as `log` answers it for a vertex without faces, is a vector to which no path leads. */
+  vectors: (VectorRequest | null)[];
+  /** A factor for each vector. None of them may be `null`, without a path, or of segments alone. */
   combine?: number[];
 };
 
 export type ExpAnswer = {
   start?: PointAnswer;
   vectors?: TangentVector[];
-  points?: PointAnswer[];
-  paths?: TracedPath[];
+  /** `null` for a vector to which no path leads. */
+  points?: (PointAnswer | null)[];
+  /** `null` for a vector to which no path leads. */
+  paths?: (TracedPath | null)[];
 };
 
 export type LogRequest = {
@@ -592,9 +596,9 @@ export type LogAnswer = {
 export type TransportRequest = {
   from: Point;
   to: Point;
-  /** Of one segment each. */
-  vectors: VectorRequest[];
-  /** A factor for each vector. */
+  /** Each with a direction and a length, or one segment. A vector to which no path leads stays one. */
+  vectors: (VectorRequest | null)[];
+  /** A factor for each vector. None of them may be `null` or without a path. */
   combine?: number[];
 };
 
@@ -634,10 +638,13 @@ export type SplineCurve = {
   tension?: number;
   tangent_rule?: ("symmetric" | "paper");
   end_rule?: ("natural" | "zero");
-  /** One for each point, by unit of the parameter; `null`: by the rules. */
+  /** One for each point, by unit of the parameter; `null`: by the rules. A vector that `log` answers will do as it is: its direction and length count. */
   tangents?: ({
-    direction: DirectionRequest;
+    direction: (DirectionRequest | null);
     length: number;
+    reason?: string;
+    cut_locus?: boolean;
+    segments?: unknown[];
   } | null)[];
   /** A segment; at most 100000 in all. */
   samples?: number;

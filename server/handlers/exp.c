@@ -34,6 +34,7 @@ static bool locate_vector(struct exp_map *map, uint32_t i, struct proto_problem 
 {
     const struct proto_vectors *vectors = &map->wanted.vectors;
     uint32_t first = vectors->first[i];
+    if (first == vectors->first[i + 1]) return true;
     if (!proto_segment_locate(map->query.surface->mesh, &map->start, &vectors->segments[first], &map->segments[first],
                               problem))
         return false;
@@ -51,7 +52,7 @@ static bool locate_vector(struct exp_map *map, uint32_t i, struct proto_problem 
 static bool locate_vectors(struct exp_map *map, struct proto_problem *problem)
 {
     struct proto_vectors *vectors = &map->wanted.vectors;
-    map->segments = malloc(vectors->first[vectors->count] * sizeof *map->segments);
+    map->segments = malloc((vectors->first[vectors->count] + 1) * sizeof *map->segments);
     map->ends = malloc(vectors->count * sizeof *map->ends);
     if (!map->segments || !map->ends) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < vectors->count; i++)
@@ -84,8 +85,18 @@ static bool fail(const struct exp_map *map, enum gd_status status, const struct 
     return false;
 }
 
+/* A vector without segments: log found no path, so there is nothing to trace. */
+static bool exists(const struct exp_map *map, uint32_t i)
+{
+    return map->wanted.vectors.first[i] < map->wanted.vectors.first[i + 1];
+}
+
 static bool write_path(struct exp_map *map, uint32_t i, struct proto_problem *problem)
 {
+    if (!exists(map, i)) {
+        if (map->query.options.fields & PROTO_EXP_FIELD_PATHS) proto_write_null(&map->query.draft);
+        return true;
+    }
     static const struct gd_trace_options options = {.step_limit = PROTO_TRACE_STEPS};
     const struct gd_mesh *mesh = map->query.surface->mesh;
     const struct proto_vectors *vectors = &map->wanted.vectors;
@@ -124,9 +135,11 @@ static void write_vectors(struct exp_map *map)
     proto_write_key(writer, "vectors");
     proto_write_array_begin(writer);
     for (uint32_t i = 0; i < vectors->count; i++) {
-        double length = 0;
-        for (uint32_t k = vectors->first[i]; k < vectors->first[i + 1]; k++) length += map->segments[k].length;
-        proto_vector_encode(writer, &map->segments[vectors->first[i]].direction, length);
+        uint32_t first = vectors->first[i];
+        double length = exists(map, i) ? 0 : INFINITY;
+        for (uint32_t k = first; k < vectors->first[i + 1]; k++) length += map->segments[k].length;
+        bool has_direction = exists(map, i) && (vectors->factors || vectors->segments[first].has_direction);
+        proto_vector_encode(writer, has_direction ? &map->segments[first].direction : NULL, length);
     }
     proto_write_array_end(writer);
 }
@@ -136,8 +149,12 @@ static void write_points(struct exp_map *map)
     struct proto_writer *writer = &map->query.draft;
     proto_write_key(writer, "points");
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < map->wanted.vectors.count; i++)
-        proto_point_encode(writer, map->query.surface->mesh, &map->ends[i], NAN);
+    for (uint32_t i = 0; i < map->wanted.vectors.count; i++) {
+        if (exists(map, i))
+            proto_point_encode(writer, map->query.surface->mesh, &map->ends[i], NAN);
+        else
+            proto_write_null(writer);
+    }
     proto_write_array_end(writer);
 }
 

@@ -34,12 +34,15 @@ static bool locate_vectors(struct transport *transport, struct proto_problem *pr
 {
     const struct gd_mesh *mesh = transport->ends.mesh;
     struct proto_vectors *wanted = &transport->wanted;
-    transport->vectors = malloc(wanted->count * sizeof *transport->vectors);
+    transport->vectors = calloc(wanted->count, sizeof *transport->vectors);
     if (!transport->vectors) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
     for (uint32_t i = 0; i < wanted->count; i++) {
         const struct proto_segment *segment = &wanted->segments[wanted->first[i]];
+        if (wanted->first[i + 1] == wanted->first[i]) continue;
         if (wanted->first[i + 1] - wanted->first[i] > 1)
-            return proto_problem_refuse(problem, "/vectors", "a vector of several segments can't be moved");
+            return proto_problem_refuse(problem, "/vectors",
+                                        "segments alone can't be moved; send the vector's direction and length as "
+                                        "well");
         if (!proto_segment_locate(mesh, transport->ends.points, segment, &transport->vectors[i], problem)) return false;
     }
     if (!wanted->factors) return true;
@@ -83,6 +86,16 @@ static void encode_end(const struct transport *transport, struct proto_writer *w
     proto_member_point(writer, key, transport->ends.mesh, &transport->ends.points[end], transport->ends.snaps[end]);
 }
 
+/* A vector that has no direction keeps none; one that does not exist still does not. */
+static void encode_vector(const struct transport *transport, struct proto_writer *writer, uint32_t i)
+{
+    const struct proto_vectors *wanted = &transport->wanted;
+    const struct gd_vector *vector = &transport->vectors[i];
+    bool exists = wanted->factors || wanted->first[i] < wanted->first[i + 1],
+         has_direction = exists && (wanted->factors || wanted->segments[wanted->first[i]].has_direction);
+    proto_vector_encode(writer, has_direction ? &vector->direction : NULL, exists ? vector->length : INFINITY);
+}
+
 static void encode_vectors(const struct transport *transport, struct proto_writer *writer)
 {
     proto_write_key(writer, "vectors");
@@ -91,8 +104,7 @@ static void encode_vectors(const struct transport *transport, struct proto_write
         return;
     }
     proto_write_array_begin(writer);
-    for (uint32_t i = 0; i < transport->wanted.count; i++)
-        proto_vector_encode(writer, &transport->vectors[i].direction, transport->vectors[i].length);
+    for (uint32_t i = 0; i < transport->wanted.count; i++) encode_vector(transport, writer, i);
     proto_write_array_end(writer);
 }
 

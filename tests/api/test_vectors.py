@@ -108,6 +108,78 @@ class Vectors(TestCase):
         self.assertTrue(self.asked("ball", "mean", {"points": [pole, antipode]})["cut_locus"])
         self.assertFalse(self.asked("ball", "mean", {"points": [pole, {"xyz": [1, 0.2, 0.3]}]})["cut_locus"])
 
+    # --- what log answers ------------------------------------------------------------------------------------------------
+
+    def vectors_of_log(self):
+        """(mesh, start, targets, vectors) with bent vectors, on a cut locus, of length 0, without a path, and to a vertex without faces."""
+        chance = random.Random(8)
+        faces = self.meshes["terrain"]["faces"]
+        starts = [("terrain", random_point(chance, faces), [random_point(chance, faces) for _ in range(30)]),
+                  ("ball", {"xyz": [0, 0, 1]}, [{"xyz": [0, 0, -1]}, {"xyz": [0, 0, 1]}, {"xyz": [1, 0, 0]}]),
+                  ("apart", {"vertex": 0}, [{"vertex": 1}, {"vertex": 0}, {"vertex": 3}]),
+                  ("loose", {"vertex": 0}, "all"), ("apart", {"vertex": 1}, "all"), ("ball", {"vertex": 5}, "all")]
+        for mesh, start, targets in starts:
+            for query in ("log", "log?fields=vectors"):
+                for first_only in (False, True):
+                    document = {"from": start, "to": targets, "first_vector_only": first_only}
+                    vectors = self.asked(mesh, query, document)["vectors"]
+                    yield mesh, start, targets, vectors, first_only
+
+    def test_exp_takes_what_log_answers(self):
+        seen = set()
+        for mesh, start, targets, vectors, first_only in self.vectors_of_log():
+            seen.update(*(vector or {"null"} for vector in vectors))
+            answer = self.asked(mesh, "exp", {"start": start, "vectors": vectors})
+            if targets == "all":
+                targets = [{"vertex": i} for i in range(len(vectors))]
+            for vector, traced, point, path, target in zip(vectors, answer["vectors"], answer["points"], answer["paths"], targets):
+                if vector is None or vector["length"] is None:
+                    self.assertEqual(traced, {"direction": None, "length": None, "reason": "no_path"})
+                    self.assertEqual([point, path], [None, None])
+                    continue
+                self.assertEqual(traced["direction"] is None, vector["direction"] is None)
+                self.assertAlmostEqual(traced["length"], vector["length"], 12)
+                if not first_only:
+                    self.assert_place(point["xyz"], self.asked(mesh, "nearest", {"point": target})["xyz"], 8)
+        self.assertLessEqual({"direction", "length", "segments", "cut_locus", "reason", "null"}, seen)
+
+    def test_transport_takes_what_log_answers(self):
+        for mesh, start, _, vectors, _ in self.vectors_of_log():
+            document = {"from": start, "to": start, "vectors": vectors}
+            moved = self.asked(mesh, "transport", document)["vectors"]
+            for vector, other in zip(vectors, moved):
+                if vector is None or vector["length"] is None:
+                    self.assertEqual(other, {"direction": None, "length": None, "reason": "no_path"})
+                    continue
+                self.assertEqual(other["direction"] is None, vector["direction"] is None)
+                self.assertAlmostEqual(other["length"], vector["length"], 12)
+                if vector["direction"]:
+                    self.assert_place(other["direction"]["xyz"], vector["direction"]["xyz"], 9)
+            existing = [vector for vector in vectors if vector and vector["length"] is not None]
+            document = {"vectors": existing, "combine": [1 / len(existing)] * len(existing)}
+            [sum_there] = self.asked(mesh, "transport", {**document, "from": start, "to": start})["vectors"]
+            [sum_here] = self.asked(mesh, "exp", {**document, "start": start})["vectors"]
+            self.assertAlmostEqual(sum_here["length"], sum_there["length"], 12)
+
+    def test_splines_take_what_log_answers(self):
+        [cut, zero, *_] = self.asked("ball", "log", {"from": {"xyz": [0, 0, 1]}, "to": [{"xyz": [0, 0, -1]}, {"xyz": [0, 0, 1]}]})["vectors"]
+        points = [{"xyz": [0, 0, 1]}, {"xyz": [0.5, 0, 0.8]}]
+        for tangent in (cut, zero):
+            answer = self.asked("ball", "spline", {"points": points, "tangents": [tangent, None]})
+            self.assertAlmostEqual(answer["joints"][0]["tangent"]["length"], tangent["length"], 12)
+
+    def test_vectors_that_log_does_not_answer(self):
+        zero = {"direction": None, "length": 0}
+        nowhere = {"direction": None, "length": None, "reason": "no_path"}
+        for vector, pointer in [({"direction": None, "length": 1}, "/vectors/0/direction"), ({"direction": 0, "length": None}, "/vectors/0/length"),
+                                ({**zero, "cut_locus": 1}, "/vectors/0/cut_locus"), ({**zero, "reason": 1}, "/vectors/0/reason"),
+                                ({**zero, "cut": True}, "/vectors/0/cut"), ({"segments": [zero]}, "/vectors/0/segments/0")]:
+            for operation, ends in (("exp", {"start": {"vertex": 0}}), ("transport", {"from": {"vertex": 0}, "to": {"vertex": 1}})):
+                self.assertEqual(self.asked("square", operation, {**ends, "vectors": [vector]}, 400)["pointer"], pointer, vector)
+        for vector in (nowhere, None):
+            document = {"start": {"vertex": 0}, "vectors": [zero, vector], "combine": [1, 0]}
+            self.assertEqual(self.asked("square", "exp", document, 400)["pointer"], "/vectors/1")
+
     # --- transport -------------------------------------------------------------------------------------------------------
 
     def test_the_plane_turns_nothing(self):
