@@ -47,6 +47,14 @@ static struct gd__local local_of(const struct gd_mesh *mesh, uint32_t side, cons
     return gd__face_local(mesh, side, (double[3]){w[k], w[(k + 1) % 3], w[(k + 2) % 3]});
 }
 
+/* Does the point, a vertex or one of an edge, lie on an edge? */
+static bool is_on(const struct gd_mesh *mesh, uint32_t edge, const struct gd_point *point)
+{
+    if (point->kind == GD_POINT_EDGE) return point->element == edge;
+    return point->kind == GD_POINT_VERTEX &&
+           (mesh->origin[2 * edge] == point->element || mesh->origin[2 * edge + 1] == point->element);
+}
+
 /* --- the strip ----------------------------------------------------------------------------------------------------------- */
 
 /* Over a side of the face; false: the face across does not lie there. */
@@ -72,23 +80,49 @@ static bool lay_next(const struct gd_mesh *mesh, struct laid *laid, uint32_t edg
     return laid->side >> 1 == edge && mesh->side_face[laid->side] != GD_NONE;
 }
 
+/* Between points of one face. Differences of weights, in the frame of the corner nearest to the first point, keep the
+ * direction of a short line exact. */
+static void measure_in_face(const struct gd_mesh *mesh, uint32_t face, const struct gd_point *a,
+                            const struct gd_point *b, struct gd__straight *out)
+{
+    double from[3], to[3];
+    gd__point_weights(mesh, a, face, from);
+    gd__point_weights(mesh, b, face, to);
+    int k = from[1] > from[0] ? 1 : 0;
+    if (from[2] > from[k]) k = 2;
+    uint32_t side = mesh->face_side[face][k];
+    int next = (k + 1) % 3, last = (k + 2) % 3;
+    struct gd__local d = gd__side_local(&mesh->side[side], to[next] - from[next], to[last] - from[last]);
+    out->length = hypot(d.x, d.y);
+    if (out->length == 0) d.x = 1; /* any direction: the turns are of the same one */
+    out->ahead = gd__turn_in_face(mesh, a, side, d.x, d.y);
+    out->back = gd__turn_in_face(mesh, b, side, -d.x, -d.y);
+}
+
 enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *points, uint32_t count,
                           struct gd__straight *out)
 {
-    uint32_t face = face_beside(mesh, &points[0], &points[1]);
+    const struct gd_point *a = &points[0], *b = &points[count - 1];
+    uint32_t begin = 1, end = count - 1; /* the edges crossed: not those on which an end lies */
+    while (begin < end && is_on(mesh, points[begin].element, a)) begin++;
+    while (begin < end && is_on(mesh, points[end - 1].element, b)) end--;
+    uint32_t face = face_beside(mesh, a, begin < end ? &points[begin] : b);
     if (face == GD_NONE) return GD_INTERNAL;
+    if (begin == end) {
+        measure_in_face(mesh, face, a, b, out);
+        return GD_OK;
+    }
     uint32_t first = mesh->face_side[face][0];
     struct laid laid = {first, {0, 0}, {1, 0}};
-    for (uint32_t i = 1; i + 1 < count; i++)
+    for (uint32_t i = begin; i < end; i++)
         if (!lay_next(mesh, &laid, points[i].element)) return GD_INTERNAL;
-    if (!contains(mesh, mesh->side_face[laid.side], &points[count - 1])) return GD_INTERNAL;
-    struct gd__local from = local_of(mesh, first, &points[0]),
-                     to = place(&laid, local_of(mesh, laid.side, &points[count - 1])), u = laid.along;
+    if (!contains(mesh, mesh->side_face[laid.side], b)) return GD_INTERNAL;
+    struct gd__local from = local_of(mesh, first, a), to = place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
     double x = to.x - from.x, y = to.y - from.y, length = hypot(x, y);
-    if (length == 0) x = 1; /* any direction: the turns are of the same one */
+    if (length == 0) x = 1;
     *out = (struct gd__straight){
         .length = length,
-        .ahead = gd__turn_in_face(mesh, &points[0], first, x, y),
-        .back = gd__turn_in_face(mesh, &points[count - 1], laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
+        .ahead = gd__turn_in_face(mesh, a, first, x, y),
+        .back = gd__turn_in_face(mesh, b, laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
     return GD_OK;
 }

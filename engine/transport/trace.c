@@ -218,13 +218,23 @@ static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool for
     return append(tracer, vertex, face, is_end ? rest : run, is_end ? HALT_END : HALT_VERTEX);
 }
 
+/* Does the line reach the boundary at so small an angle that it passes the vertex ahead within rounding? Then it meets that
+ * vertex: where it crosses the edge is not told by the angle. */
+static bool grazes(const struct tracer *tracer)
+{
+    const struct gd__flight *flight = &tracer->flight;
+    double edge = tracer->mesh->side[flight->side].length, ahead = flight->dx > 0 ? edge - flight->t : flight->t;
+    return ahead * flight->dy <= GD_TOL_HIT * edge + drift(tracer);
+}
+
 static enum halt at_border(struct tracer *tracer)
 {
     const struct gd__flight *flight = &tracer->flight;
     tracer->back =
         gd__turn_in_face(tracer->mesh, gd__line_last(&tracer->line), flight->side ^ 1, flight->dx, flight->dy);
     bool leans = fabs(flight->dx) > GD_TOL_HIT;
-    if (tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP || !leans) return HALT_STOP;
+    bool stops = tracer->options->boundary_rule == GD_BOUNDARY_RULE_STOP;
+    if (!leans || (stops && !grazes(tracer))) return HALT_STOP;
     return slide(tracer, flight->side, flight->t, flight->dx > 0);
 }
 

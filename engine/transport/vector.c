@@ -84,7 +84,8 @@ static struct gd_point settle(const struct gd_mesh *mesh, const struct gd_point 
     uint32_t corner = mesh->face_side[face][nearest];
     struct gd__local at =
         gd__face_local(mesh, corner, (double[3]){0, weight[(nearest + 1) % 3], weight[(nearest + 2) % 3]});
-    return hypot(at.x, at.y) <= GD_TOL_JOINT * length ? gd__point_of_vertex(mesh->origin[corner]) : *end;
+    double rounding = GD_TOL_PLACE * mesh->side[corner].length;
+    return hypot(at.x, at.y) <= GD_TOL_JOINT * length + rounding ? gd__point_of_vertex(mesh->origin[corner]) : *end;
 }
 
 /* The leg, used up, begins where the trace ends. */
