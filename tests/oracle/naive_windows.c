@@ -15,8 +15,8 @@ struct naive_side {
 struct naive_mesh {
     double (*position)[3];
     uint32_t (*corner)[3];
-    struct naive_side (*across)[3]; /* beyond side k, corner k to corner k + 1; face NONE: boundary */
-    bool *is_convex; /* per vertex: inside the surface, of less than 2 pi: no shortest path bends there */
+    struct naive_side (*across)[3]; /* beyond corners k and k + 1; face NONE: boundary */
+    bool *is_convex;                /* per vertex: not on the boundary, of less than 2 pi */
     uint32_t vertex_count, face_count;
 };
 
@@ -51,7 +51,7 @@ struct naive_field {
     struct quadruple_solver *quadruple;
 };
 
-/* --- the mesh --------------------------------------------------------------------------------------------------- */
+/* --- the mesh --------------------------------------------------------------------------------- */
 
 static struct naive_side find_across(const struct naive_mesh *mesh, uint32_t face, uint32_t side)
 {
@@ -79,7 +79,8 @@ static long double angle_at(const struct naive_mesh *mesh, uint32_t face, uint32
     return atan2l(sqrtl(area), product);
 }
 
-/* Vertices that are flat up to rounding are taken for saddles: to make a source of one costs time only. */
+/* Vertices that are flat up to rounding are taken for saddles: to make a source of one costs
+ * time only. */
 static bool find_convex(struct naive_mesh *mesh)
 {
     long double *angle = calloc(mesh->vertex_count, sizeof *angle);
@@ -130,7 +131,7 @@ void naive_mesh_free(struct naive_mesh *mesh)
     free(mesh);
 }
 
-/* --- fields ----------------------------------------------------------------------------------------------------- */
+/* --- fields ----------------------------------------------------------------------------------- */
 
 struct naive_field *naive_field_solve(const struct naive_mesh *mesh, enum naive_precision precision,
                                       const struct naive_source *sources, uint32_t source_count, long double radius)

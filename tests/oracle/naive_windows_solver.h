@@ -1,4 +1,5 @@
-/* The solver, written for one type of number. naive_windows.c includes this file once for each precision, after these macros:
+/* The solver, written for one type of number. naive_windows.c includes this file once for each
+ * precision, after these macros:
  *
  *     REAL            the type
  *     REAL_SQRT(x)    its square root
@@ -9,8 +10,8 @@ struct NAME(vector) {
     REAL x, y;
 };
 
-/* A face from each of its sides k (corner k to corner k + 1): the third corner is corner k + along * side + across * (side
- * turned by a right angle into the face). */
+/* A face from each of its sides k (corner k to corner k + 1): the third corner is corner k +
+ * along * side + across * (side turned by a right angle into the face). */
 struct NAME(shape) {
     REAL length[3], along[3], across[3];
 };
@@ -19,9 +20,10 @@ struct NAME(shape) {
 struct NAME(window) {
     struct NAME(vector) right, left; /* ends of the side, as seen from the source */
     struct NAME(vector) edge;        /* left - right, kept for the digits of short edges far away */
-    struct NAME(vector) from, to;    /* the directions, right and left: images of the vertices that bound them */
+    struct NAME(vector) from, to;    /* the directions: images of the vertices that bound them */
     REAL sigma;                      /* distance of the source */
     uint32_t origin;                 /* the vertex that is the source, or NONE */
+    uint32_t parent;                 /* the window one face earlier, or NONE */
     uint32_t face, side;             /* the face that is entered, and its side */
     bool swapped;                    /* `right` is corner side + 1 */
     uint32_t next;                   /* of the windows that entered the face, or NONE */
@@ -55,7 +57,7 @@ struct NAME(solver) {
     bool failed;
 };
 
-/* --- the plane -------------------------------------------------------------------------------------------------- */
+/* --- the plane -------------------------------------------------------------------------------- */
 
 static struct NAME(vector) NAME(add)(struct NAME(vector) a, struct NAME(vector) b)
 {
@@ -87,7 +89,8 @@ static REAL NAME(length)(struct NAME(vector) a)
     return REAL_SQRT(NAME(dot)(a, a));
 }
 
-/* b lies to the left of direction a by more than an angle of `slack`; with a negative one, no farther to the right than that. */
+/* b lies to the left of direction a by more than an angle of `slack`; with a negative one, no
+ * farther to the right than that. */
 static bool NAME(is_left)(struct NAME(vector) a, struct NAME(vector) b, REAL slack)
 {
     REAL sine = NAME(cross)(a, b);
@@ -95,7 +98,7 @@ static bool NAME(is_left)(struct NAME(vector) a, struct NAME(vector) b, REAL sla
     return sine > 0 ? slack < 0 || is_beyond : slack < 0 && !is_beyond;
 }
 
-/* --- faces laid flat -------------------------------------------------------------------------------------------- */
+/* --- faces laid flat -------------------------------------------------------------------------- */
 
 static void NAME(measure_face)(const struct naive_mesh *mesh, uint32_t face, struct NAME(shape) * shape)
 {
@@ -162,7 +165,7 @@ static void NAME(corners_entered)(const struct NAME(window) * window, uint32_t o
     out[2] = (window->side + 2) % 3;
 }
 
-/* --- the queue -------------------------------------------------------------------------------------------------- */
+/* --- the queue -------------------------------------------------------------------------------- */
 
 static bool NAME(grow)(struct NAME(solver) * solver, void **array, uint32_t *capacity, size_t size)
 {
@@ -202,7 +205,7 @@ static struct NAME(event) NAME(pop)(struct NAME(solver) * solver)
     return first;
 }
 
-/* --- windows ---------------------------------------------------------------------------------------------------- */
+/* --- windows ---------------------------------------------------------------------------------- */
 
 /* Where the direction meets the window's side, 0 at its right end. */
 static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(vector) direction)
@@ -211,8 +214,8 @@ static REAL NAME(place_on_side)(const struct NAME(window) * window, struct NAME(
     return !(t > 0) ? 0 : t < 1 ? t : 1;
 }
 
-/* Each point of the window is nearer by way of an end of its side. If that is so for the window's far end, then by the triangle
- * inequality for all points between. */
+/* Each point of the window is nearer by way of an end of its side. If that is so for the
+ * window's far end, then by the triangle inequality for all points between. */
 static bool NAME(is_useless)(const struct NAME(solver) * solver, const struct NAME(window) * window, REAL begin,
                              REAL end)
 {
@@ -234,6 +237,19 @@ static REAL NAME(least_on_side)(const struct NAME(window) * window, REAL begin, 
     return NAME(length)(NAME(add)(window->right, NAME(scaled)(t, window->edge)));
 }
 
+/* The way that leads to the window has been in the face before: a shortest path enters a face
+ * once. */
+static bool NAME(returns)(const struct NAME(solver) * solver, const struct NAME(window) * window)
+{
+    uint32_t first = window->side, at = window->face;
+    for (uint32_t i = window->parent; i != NONE; i = solver->window[i].parent) {
+        if (solver->window[i].face == window->face) return true;
+        first = solver->window[i].side;
+        at = solver->window[i].face;
+    }
+    return solver->mesh->across[at][first].face == window->face;
+}
+
 /* Queues the window through that side out of a face, unless it is of no use. */
 static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t side, uint32_t right_corner,
                         struct NAME(window) window)
@@ -245,7 +261,7 @@ static void NAME(offer)(struct NAME(solver) * solver, uint32_t face, uint32_t si
     window.swapped = solver->mesh->corner[across.face][across.side] != solver->mesh->corner[face][right_corner];
     window.next = NONE;
     REAL begin = NAME(place_on_side)(&window, window.from), end = NAME(place_on_side)(&window, window.to);
-    if (NAME(is_useless)(solver, &window, begin, end)) return;
+    if (NAME(is_useless)(solver, &window, begin, end) || NAME(returns)(solver, &window)) return;
     if (solver->window_count >= NAIVE_WINDOWS_MOST) solver->failed = true;
     if (solver->window_count == solver->window_capacity &&
         !NAME(grow)(solver, (void **)&solver->window, &solver->window_capacity, sizeof *solver->window))
@@ -263,7 +279,8 @@ static void NAME(improve)(struct NAME(solver) * solver, uint32_t vertex, REAL di
     if (!solver->mesh->is_convex[vertex]) NAME(push)(solver, (struct NAME(event)){distance, vertex, true});
 }
 
-/* What a source inside or on the border of a face sees through the sides that it does not lie on. */
+/* What a source inside or on the border of a face sees through the sides that it does not lie
+ * on. */
 static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, const REAL weight[3], REAL sigma,
                                  uint32_t origin)
 {
@@ -278,6 +295,7 @@ static void NAME(emit_into_face)(struct NAME(solver) * solver, uint32_t face, co
         window.edge = NAME(subtract)(corner[next], corner[k]);
         window.sigma = sigma;
         window.origin = origin;
+        window.parent = NONE;
         NAME(offer)(solver, face, k, k, window);
     }
 }
@@ -293,7 +311,31 @@ static void NAME(emit_from_vertex)(struct NAME(solver) * solver, uint32_t vertex
     }
 }
 
-/* Through the face that the window enters, to its other two sides. */
+/* The window's parts on the other two sides of the face that it enters. `reach`, `back`: from
+ * right and left to the apex. */
+static void NAME(offer_children)(struct NAME(solver) * solver, const struct NAME(window) * window,
+                                 const uint32_t corner[3], struct NAME(vector) apex, struct NAME(vector) reach,
+                                 struct NAME(vector) back)
+{
+    bool is_left_of_from = NAME(is_left)(window->from, apex, REAL_SLACK);
+    bool is_right_of_to = NAME(is_left)(apex, window->to, REAL_SLACK);
+    if (is_left_of_from) {
+        struct NAME(window) child = *window;
+        child.left = apex;
+        child.edge = reach;
+        if (is_right_of_to) child.to = apex;
+        NAME(offer)(solver, window->face, (window->side + (window->swapped ? 1 : 2)) % 3, corner[0], child);
+    }
+    if (is_right_of_to) {
+        struct NAME(window) child = *window;
+        child.right = apex;
+        child.edge = NAME(scaled)(-1, back);
+        if (is_left_of_from) child.from = apex;
+        NAME(offer)(solver, window->face, (window->side + (window->swapped ? 2 : 1)) % 3, corner[2], child);
+    }
+}
+
+/* Through the face that the window enters. */
 static void NAME(propagate)(struct NAME(solver) * solver, uint32_t index)
 {
     struct NAME(window) window = solver->window[index];
@@ -306,27 +348,12 @@ static void NAME(propagate)(struct NAME(solver) * solver, uint32_t index)
 
     uint32_t corner[3];
     NAME(corners_entered)(&window, corner);
-    struct NAME(vector) reach = NAME(right_to_apex)(solver, &window);
-    struct NAME(vector) back = NAME(subtract)(reach, window.edge); /* from left to apex */
-    struct NAME(vector) apex = corner[0] == window.side ? NAME(add)(window.right, reach) : NAME(add)(window.left, back);
+    struct NAME(vector) reach = NAME(right_to_apex)(solver, &window), back = NAME(subtract)(reach, window.edge);
+    struct NAME(vector) apex = window.swapped ? NAME(add)(window.left, back) : NAME(add)(window.right, reach);
     if (NAME(is_left)(window.from, apex, -REAL_SLACK) && NAME(is_left)(apex, window.to, -REAL_SLACK))
         NAME(improve)(solver, solver->mesh->corner[window.face][corner[2]], window.sigma + NAME(length)(apex));
-    uint32_t right_side = window.swapped ? (window.side + 1) % 3 : (window.side + 2) % 3;
-    uint32_t left_side = window.swapped ? (window.side + 2) % 3 : (window.side + 1) % 3;
-    if (NAME(is_left)(window.from, apex, REAL_SLACK)) {
-        struct NAME(window) child = window;
-        child.left = apex;
-        child.edge = reach;
-        if (NAME(is_left)(apex, window.to, REAL_SLACK)) child.to = apex;
-        NAME(offer)(solver, window.face, right_side, corner[0], child);
-    }
-    if (NAME(is_left)(apex, window.to, REAL_SLACK)) {
-        struct NAME(window) child = window;
-        child.right = apex;
-        child.edge = NAME(scaled)(-1, back);
-        if (NAME(is_left)(window.from, apex, REAL_SLACK)) child.from = apex;
-        NAME(offer)(solver, window.face, left_side, corner[2], child);
-    }
+    window.parent = index;
+    NAME(offer_children)(solver, &window, corner, apex, reach, back);
 }
 
 static void NAME(propagate_all)(struct NAME(solver) * solver, long double radius)
@@ -340,7 +367,7 @@ static void NAME(propagate_all)(struct NAME(solver) * solver, long double radius
     }
 }
 
-/* --- sources ---------------------------------------------------------------------------------------------------- */
+/* --- sources ---------------------------------------------------------------------------------- */
 
 /* The weights in full, the largest from the others. Returns how many are zero. */
 static int NAME(complete)(const struct naive_point *point, REAL out[3])
@@ -383,7 +410,7 @@ static void NAME(add_source)(struct NAME(solver) * solver, const struct naive_so
     NAME(add_seed)(solver, other);
 }
 
-/* --- the field -------------------------------------------------------------------------------------------------- */
+/* --- the field -------------------------------------------------------------------------------- */
 
 static void NAME(close)(struct NAME(solver) * solver)
 {
@@ -430,7 +457,8 @@ static struct NAME(solver) * NAME(solve)(const struct naive_mesh *mesh, const st
     return NULL;
 }
 
-/* Distance by way of a window, or INFINITY where it does not see the point. `weight`: of the point in the face entered. */
+/* Distance by way of a window, or INFINITY where it does not see the point. `weight`: of the
+ * point in the face entered. */
 static REAL NAME(through_window)(const struct NAME(solver) * solver, const struct NAME(window) * window,
                                  const REAL weight[3])
 {

@@ -1,4 +1,5 @@
-/* The solver by naive windows against closed forms, against the solver by unfolding, and against itself in the other precision. */
+/* The solver by naive windows against closed forms, against the solver by unfolding, and against
+ * itself in the other precision. */
 #include "tests/oracle/naive_windows.h"
 
 #include <math.h>
@@ -35,7 +36,8 @@ static struct naive_point random_point(const struct gd_polygons *mesh, struct rn
     return point;
 }
 
-/* A point of a face, or of its border, less than 1e-9 edge lengths away from a corner, some of them 1e-15. */
+/* A point of a face, or of its border, less than 1e-9 edge lengths away from a corner, some of
+ * them 1e-15. */
 static struct naive_point point_beside_corner(const struct gd_polygons *mesh, struct rng *rng)
 {
     struct naive_point point = {.face = rng_below(rng, mesh->polygon_count)};
@@ -54,7 +56,7 @@ static void position(const struct gd_polygons *mesh, struct naive_point point, d
     test_place_position(mesh, place, out);
 }
 
-/* --- closed forms ----------------------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 typedef double closed_form(const void *context, const double p[3], const double q[3]);
 
@@ -137,7 +139,7 @@ static void closed_forms(void **state)
     print_message("# plane, box, cone and saddle: worst error %.2g\n", worst);
 }
 
-/* --- the other solver, and the other precision ------------------------------------------------------------------- */
+/* --- the other solver, and the other precision ------------------------------------------------ */
 
 static void make_surface(int turn, struct gd_polygons *mesh)
 {

@@ -1,4 +1,5 @@
-/* Fields whose sources lie right beside vertices, against the solver by naive windows: at vertices, inside faces and beside the same vertex. */
+/* Fields whose sources lie right beside vertices, against the solver by naive windows: at
+ * vertices, inside faces and beside the same vertex. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,7 +39,8 @@ static struct gd_point vertex_point(const struct exact_scene *scene, uint32_t in
     return point;
 }
 
-/* The field of some seeds, all beside `vertex`, at all vertices, at random places, and beside the vertex. */
+/* The field of some seeds, all beside `vertex`, at all vertices, at random places, and beside
+ * the vertex. */
 static void check_field(struct exact_scene *scene, uint32_t vertex, const struct gd_seed *seeds, uint32_t count,
                         struct exact_tally *tally)
 {
@@ -85,7 +87,7 @@ static void several_sources(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- vertices written with few digits -------------------------------------------------------------------------------- */
+/* --- vertices written with few digits --------------------------------------------------------- */
 
 static double rounded(double x, int digits)
 {
@@ -151,7 +153,7 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- short distances ------------------------------------------------------------------------------------------------- */
+/* --- short distances -------------------------------------------------------------------------- */
 
 static void compare_pair(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *from,
                          const struct gd_point *to, const struct gd_point *target)
@@ -194,13 +196,28 @@ static void short_distances(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
+/* --- tubes ------------------------------------------------------------------------------------ */
+
+static void thin_tubes(uint64_t number, struct exact_tally *tally)
+{
+    struct exact_scene scene;
+    exact_scene_open(EXACT_TUBE, number, &scene);
+    for (int i = 0; i < FIELDS; i++) {
+        struct gd_seed seed = {.point = exact_random(&scene)};
+        check_field(&scene, exact_random_vertex(&scene), &seed, 1, tally);
+    }
+    exact_scene_close(&scene);
+}
+
 static const struct exact_section sections[] = {
-    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 600, 100000, true},
-    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, true},
+    {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 600, 100000,
+     EXACT_PENDING},
+    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, EXACT_PENDING},
     {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 300,
-     20000, true},
+     20000, EXACT_PENDING},
     {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 300,
-     20000, true},
+     20000, EXACT_PENDING},
+    {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000, EXACT_MAY_FAIL},
 };
 
 int main(int argc, char **argv)

@@ -1,4 +1,5 @@
-/* Points beside vertices and edges as targets, ends of curves, members of sets, starts of traces, vectors and splines. */
+/* Points beside vertices and edges as targets, ends of curves, members of sets, starts of
+ * traces, vectors and splines. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,6 +10,9 @@
 #include "tests/support/exact_run.h"
 
 enum { UNITS = 6, TARGETS = 8, POINTS_MOST = 4, SAMPLES = 32, STEPS = 60 };
+
+/* Error of distances right beside a curve, over an edge's length (engine/doc/002). */
+static const double BESIDE_CURVE = 1e-10;
 
 static struct gd_point beside_something(struct exact_scene *scene)
 {
@@ -30,7 +34,7 @@ static struct gd_field *build_field(struct exact_unit *unit)
     return field;
 }
 
-/* --- targets, and members of sets ------------------------------------------------------------------------------------ */
+/* --- targets, and members of sets ------------------------------------------------------------- */
 
 static void check_target(struct exact_unit *unit, struct exact_truth *truth, const struct gd_field *field,
                          struct gd_point to)
@@ -93,7 +97,7 @@ static void members(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- curves ---------------------------------------------------------------------------------------------------------- */
+/* --- curves ----------------------------------------------------------------------------------- */
 
 /* A point of a segment: its ends are given by weights in one face. */
 static struct naive_point between(const struct naive_point *a, const struct naive_point *b, double t)
@@ -103,21 +107,22 @@ static struct naive_point between(const struct naive_point *a, const struct naiv
     return out;
 }
 
-/* The least distance of the segment from the truth's source: by samples, and by golden sections around the best. */
+/* The least distance of the segment from the truth's source: by samples, and by golden sections
+ * around the best. */
 static long double to_segment(const struct exact_truth *truth, const struct naive_point *a, const struct naive_point *b)
 {
     long double least = INFINITY;
     int best = 0;
     for (int i = 0; i <= SAMPLES; i++) {
         struct naive_point at = between(a, b, (double)i / SAMPLES);
-        long double distance = naive_field_distance(truth->extended, &at);
+        long double distance = naive_field_distance(truth->field, &at);
         if (distance < least) least = distance, best = i;
     }
     double low = fmax(best - 1, 0) / SAMPLES, high = fmin(best + 1, SAMPLES) / SAMPLES, golden = 0.6180339887498949;
     for (int i = 0; i < STEPS; i++) {
         double left = high - golden * (high - low), right = low + golden * (high - low);
         struct naive_point p = between(a, b, left), q = between(a, b, right);
-        long double dp = naive_field_distance(truth->extended, &p), dq = naive_field_distance(truth->extended, &q);
+        long double dp = naive_field_distance(truth->field, &p), dq = naive_field_distance(truth->field, &q);
         least = fminl(least, fminl(dp, dq));
         if (dp < dq)
             high = right;
@@ -171,7 +176,7 @@ static void check_curve_at(struct exact_unit *unit, const struct gd_curve *curve
     struct exact_truth truth;
     exact_truth_open(unit->scene, &(struct gd_seed){.point = to}, 1, INFINITY, &truth);
     double expected = (double)to_curve(&truth, curve);
-    double allowed = EXACT_PROMISE * expected + 1e-10 * unit->scene->mean_edge; /* right beside curves */
+    double allowed = EXACT_PROMISE * expected + BESIDE_CURVE * unit->scene->mean_edge;
     exact_law(unit, &to, distance, expected, fabs(distance - expected) / allowed);
     exact_truth_close(&truth);
 }
@@ -222,9 +227,10 @@ static void curves(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- traces ---------------------------------------------------------------------------------------------------------- */
+/* --- traces ----------------------------------------------------------------------------------- */
 
-/* A line is as long as was asked for unless it meets the boundary, and its end is no farther than its length. */
+/* A line is as long as was asked for unless it meets the boundary, and its end is no farther
+ * than its length. */
 static void check_trace(struct exact_unit *unit, struct exact_truth *truth, const struct gd_trace *trace, double length)
 {
     const struct gd_point *end = &trace->path.points[trace->path.count - 1];
@@ -264,7 +270,7 @@ static void traces(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- log, exp and transport -------------------------------------------------------------------------------------------- */
+/* --- log, exp and transport ------------------------------------------------------------------- */
 
 /* exp of what log answers ends in the path's end. */
 static void check_exp(struct exact_unit *unit, const struct gd_log *log, const struct gd_point *from,
@@ -323,7 +329,7 @@ static void vectors(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- splines ----------------------------------------------------------------------------------------------------------- */
+/* --- splines ---------------------------------------------------------------------------------- */
 
 /* It passes through its points. */
 static void check_spline(struct exact_unit *unit, const struct gd_spline *spline, const struct gd_point *points)
@@ -368,12 +374,14 @@ static void splines(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"targets", "distances, paths and gradients at points beside vertices and edges", targets, 300, 20000, true},
-    {"members", "sets with members beside vertices and edges", members, 300, 20000, true},
-    {"curves", "curves with ends and corners beside vertices and edges", curves, 60, 3000, true},
-    {"traces", "traces that start beside vertices and edges", traces, 300, 20000, false},
-    {"vectors", "log, exp and transport from and to points beside vertices and edges", vectors, 300, 20000, true},
-    {"splines", "splines through points beside vertices and edges", splines, 120, 5000, true},
+    {"targets", "distances, paths and gradients at points beside vertices and edges", targets, 300, 20000,
+     EXACT_PENDING},
+    {"members", "sets with members beside vertices and edges", members, 300, 20000, EXACT_PENDING},
+    {"curves", "curves with ends and corners beside vertices and edges", curves, 60, 3000, EXACT_PENDING},
+    {"traces", "traces that start beside vertices and edges", traces, 300, 20000, EXACT_HOLDS},
+    {"vectors", "log, exp and transport from and to points beside vertices and edges", vectors, 300, 20000,
+     EXACT_PENDING},
+    {"splines", "splines through points beside vertices and edges", splines, 120, 5000, EXACT_PENDING},
 };
 
 int main(int argc, char **argv)

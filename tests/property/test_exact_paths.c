@@ -21,7 +21,7 @@ static struct gd_field *field_from(struct exact_unit *unit, const struct gd_poin
     return field;
 }
 
-/* --- paths -------------------------------------------------------------------------------------------------------- */
+/* --- paths ------------------------------------------------------------------------------------ */
 
 static void answer_path(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *to,
                         enum gd_status status, struct gd_path *path)
@@ -84,7 +84,7 @@ static void graded_paths(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
-/* --- lanes -------------------------------------------------------------------------------------------------------- */
+/* --- lanes ------------------------------------------------------------------------------------ */
 
 /* One pair's answers, each way. */
 struct lanes {
@@ -210,9 +210,10 @@ static void same_in_every_lane(uint64_t number, struct exact_tally *tally)
 }
 
 static const struct exact_section sections[] = {
-    {"graded_paths", "random paths in graded patches, ratios 3 to 100, 5 to 12 rings", graded_paths, 600, 20000, true},
+    {"graded_paths", "random paths in graded patches, ratios 3 to 100, 5 to 12 rings", graded_paths, 600, 20000,
+     EXACT_PENDING},
     {"same_in_every_lane", "a pair by search, fields, paths, in bulk, from either end: within 1e-12",
-     same_in_every_lane, 400, 20000, true},
+     same_in_every_lane, 400, 20000, EXACT_PENDING},
 };
 
 int main(int argc, char **argv)

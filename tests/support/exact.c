@@ -7,7 +7,7 @@
 
 #include "tests/samples/transform.h"
 
-/* --- scenes ------------------------------------------------------------------------------------------------------- */
+/* --- scenes ----------------------------------------------------------------------------------- */
 
 static void require(bool condition, const char *what)
 {
@@ -25,6 +25,13 @@ static enum gd_status make_graded(struct rng *rng, struct gd_polygons *out)
     return sample_graded(&grading, rng_next(rng), out);
 }
 
+/* As many rings as it takes to have no face that the engine refuses as flat. */
+static enum gd_status make_tube(struct rng *rng, struct gd_polygons *out)
+{
+    double radius = pow(10, rng_between(rng, -8.3, -6));
+    return sample_cylinder(radius, 1, 3 + rng_below(rng, 3), 4 + (uint32_t)(4e-7 / radius), out);
+}
+
 static enum gd_status make_polygons(enum exact_kind kind, struct rng *rng, struct gd_polygons *out)
 {
     enum gd_status status = GD_OK;
@@ -40,6 +47,8 @@ static enum gd_status make_polygons(enum exact_kind kind, struct rng *rng, struc
         status = sample_torus(6 + rng_below(rng, 11), 4 + rng_below(rng, 6), 1, rng_between(rng, 0.2, 0.7), out);
         if (!status && rng_below(rng, 2)) sample_jitter(out, 0.03, seed);
         return status;
+    case EXACT_TUBE:
+        return make_tube(rng, out);
     default:
         return make_graded(rng, out);
     }
@@ -94,7 +103,7 @@ void exact_scene_close(struct exact_scene *scene)
     gd_polygons_free(&scene->polygons);
 }
 
-/* --- points ------------------------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 struct naive_point exact_point(const struct exact_scene *scene, const struct gd_point *point)
 {
@@ -178,7 +187,15 @@ struct gd_point exact_beside_edge(struct exact_scene *scene, double least, doubl
     return in_face(scene, face, weight);
 }
 
-/* --- comparison --------------------------------------------------------------------------------------------------- */
+/* --- comparison ------------------------------------------------------------------------------- */
+
+static void solve(struct exact_truth *truth, enum naive_precision precision)
+{
+    naive_field_free(truth->field);
+    truth->is_quadruple = precision == NAIVE_QUADRUPLE;
+    truth->field = naive_field_solve(truth->scene->naive, precision, truth->sources, truth->count, truth->radius);
+    require(truth->field, "the solver gave up");
+}
 
 void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *seeds, uint32_t count, long double radius,
                       struct exact_truth *out)
@@ -188,21 +205,19 @@ void exact_truth_open(const struct exact_scene *scene, const struct gd_seed *see
     require(out->sources, "out of memory");
     for (uint32_t i = 0; i < count; i++)
         out->sources[i] = (struct naive_source){exact_point(scene, &seeds[i].point), seeds[i].offset};
-    out->extended = naive_field_solve(scene->naive, NAIVE_EXTENDED, out->sources, count, radius);
-    require(out->extended, "the solver in extended precision gave up");
+    solve(out, scene->kind == EXACT_TUBE ? NAIVE_QUADRUPLE : NAIVE_EXTENDED);
 }
 
 void exact_truth_close(struct exact_truth *truth)
 {
-    naive_field_free(truth->extended);
-    naive_field_free(truth->quadruple);
+    naive_field_free(truth->field);
     free(truth->sources);
 }
 
 double exact_distance(struct exact_truth *truth, const struct gd_point *point)
 {
     struct naive_point at = exact_point(truth->scene, point);
-    return (double)naive_field_distance(truth->quadruple ? truth->quadruple : truth->extended, &at);
+    return (double)naive_field_distance(truth->field, &at);
 }
 
 double exact_relative(double a, double b)
@@ -213,9 +228,7 @@ double exact_relative(double a, double b)
 double exact_error(struct exact_truth *truth, const struct gd_point *point, double distance)
 {
     double error = exact_relative(distance, exact_distance(truth, point));
-    if (error <= EXACT_PROMISE || truth->quadruple) return error;
-    truth->quadruple =
-        naive_field_solve(truth->scene->naive, NAIVE_QUADRUPLE, truth->sources, truth->count, truth->radius);
-    require(truth->quadruple, "the solver in quadruple precision gave up");
+    if (error <= EXACT_PROMISE || truth->is_quadruple) return error;
+    solve(truth, NAIVE_QUADRUPLE);
     return exact_relative(distance, exact_distance(truth, point));
 }
