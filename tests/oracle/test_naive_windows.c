@@ -234,9 +234,30 @@ static void precisions_agree_beside_corners(void **state)
     print_message("# extended against quadruple, beside corners: worst error %.2g\n", worst);
 }
 
+static double prism(const void *context, const double p[3], const double q[3])
+{
+    return closed_form_prism(*(const double *)context, 5, p, q);
+}
+
+/* Windows don't wind about tubes for as many turns as these are thin. */
+static void tubes(void **state)
+{
+    (void)state;
+    struct rng rng = {4};
+    double worst = 0;
+    for (double radius = 1e-1; radius > 1e-7; radius /= 10) {
+        struct gd_polygons mesh;
+        check_ok(sample_cylinder(radius, 1, 5, 10, &mesh), NULL);
+        worst = fmax(worst, check_form(&mesh, prism, &radius, &rng));
+        gd_polygons_free(&mesh);
+    }
+    print_message("# tubes: worst error %.2g\n", worst);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(closed_forms), cmocka_unit_test(agrees_with_unfolding),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(closed_forms), cmocka_unit_test(tubes),
+                                       cmocka_unit_test(agrees_with_unfolding),
                                        cmocka_unit_test(precisions_agree_beside_corners)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 
 enum { FIELDS = 6, PLACES = 24, NEAR = 6, SETS_MOST = 5 };
 
+static const double SNAP = 1e-14;     /* edge lengths */
 static const double ROUNDING = 1e-11; /* of two distances that are compared, relative */
 
 static struct gd_field *build_field(struct exact_unit *unit)
@@ -153,6 +154,64 @@ static void rounded_vertices(uint64_t number, struct exact_tally *tally)
     exact_scene_close(&scene);
 }
 
+/* --- snapping --------------------------------------------------------------------------------- */
+
+/* A point that is asked for by weights moves by no more than 1e-14 edge lengths. */
+static void check_weights(struct exact_scene *scene, struct exact_tally *tally)
+{
+    struct rng *rng = &scene->rng;
+    struct naive_point wanted = {.face = rng_below(rng, scene->polygons.polygon_count)};
+    uint32_t k = rng_below(rng, 3);
+    const uint32_t *corner = &scene->polygons.corners[3 * wanted.face];
+    double apart = pow(10, rng_between(rng, -17, -12)), part = rng_unit(rng), edge = 0;
+    wanted.weight[k] = 1 - apart;
+    wanted.weight[(k + 1) % 3] = apart * part;
+    wanted.weight[(k + 2) % 3] = apart * (1 - part);
+    for (uint32_t i = 0; i < 3; i++)
+        edge = fmax(edge, gd_vec3_distance(gd_mesh_position(scene->mesh, (struct gd_vertex){corner[i]}),
+                                           gd_mesh_position(scene->mesh, (struct gd_vertex){corner[(i + 1) % 3]})));
+    struct gd_seed seed = {0};
+    struct exact_unit unit = {.scene = scene, .seeds = &seed, .seed_count = 1};
+    if (gd_point_in_face(scene->mesh, (struct gd_face){wanted.face}, wanted.weight, &seed.point, NULL)) abort();
+    struct exact_truth truth;
+    exact_truth_open(scene, &seed, 1, 0, &truth);
+    double moved = (double)naive_field_distance(truth.field, &wanted);
+    exact_law(&unit, &seed.point, moved, SNAP * edge, moved / (1.01 * SNAP * edge));
+    exact_truth_close(&truth);
+    exact_conclude(&unit, tally);
+}
+
+/* A point of space is put where it is nearest, or within 1e-14 edge lengths and the rounding of its
+ * coordinates of there; the distance that is reported is the one that it was moved by. */
+static void check_position(struct exact_scene *scene, struct exact_tally *tally)
+{
+    uint32_t index = exact_random_vertex(scene);
+    struct gd_vec3 vertex = gd_mesh_position(scene->mesh, (struct gd_vertex){index});
+    double apart = scene->mean_edge * pow(10, rng_between(&scene->rng, -17, -10)), reported = NAN;
+    double rounding = 4e-15 * (fabs(vertex.x) + fabs(vertex.y) + fabs(vertex.z)), offset[3];
+    for (int i = 0; i < 3; i++) offset[i] = apart * rng_between(&scene->rng, -1, 1);
+    struct gd_vec3 xyz = gd_vec3_add(vertex, (struct gd_vec3){offset[0], offset[1], offset[2]});
+    struct gd_seed seed = {0};
+    struct exact_unit unit = {.scene = scene, .seeds = &seed, .seed_count = 1};
+    if (gd_locate_nearest(scene->mesh, xyz, -1, &seed.point, &reported, NULL)) abort();
+    double moved = gd_vec3_distance(xyz, gd_point_position(scene->mesh, &seed.point));
+    double allowed = gd_vec3_distance(xyz, vertex) + SNAP * scene->mean_edge + rounding;
+    exact_law(&unit, &seed.point, moved, allowed, moved / allowed);
+    exact_law(&unit, &seed.point, reported, moved, fabs(reported - moved) / (rounding + 1e-14 * moved));
+    exact_conclude(&unit, tally);
+}
+
+static void snaps(uint64_t number, struct exact_tally *tally)
+{
+    struct exact_scene scene;
+    exact_scene_open((enum exact_kind)(number % EXACT_KINDS), number, &scene);
+    for (int i = 0; i < PLACES; i++) {
+        check_weights(&scene, tally);
+        check_position(&scene, tally);
+    }
+    exact_scene_close(&scene);
+}
+
 /* --- short distances -------------------------------------------------------------------------- */
 
 static void compare_pair(struct exact_unit *unit, struct exact_truth *truth, const struct gd_point *from,
@@ -217,6 +276,7 @@ static const struct exact_section sections[] = {
      20000, EXACT_PENDING},
     {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 300,
      20000, EXACT_PENDING},
+    {"snaps", "points move by at most 1e-14 edge lengths, as is reported", snaps, 1000, 100000, EXACT_HOLDS},
     {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000, EXACT_MAY_FAIL},
 };
 
