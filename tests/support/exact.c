@@ -18,7 +18,8 @@ static void require(bool condition, const char *what)
 
 static enum gd_status make_graded(struct rng *rng, struct gd_polygons *out)
 {
-    struct sample_grading grading = {.patches = 1, .sectors = 5 + rng_below(rng, 3), .rings = 5 + rng_below(rng, 8)};
+    struct sample_grading grading = {
+        .patches = 1 + rng_below(rng, 2), .sectors = 5 + rng_below(rng, 3), .rings = 5 + rng_below(rng, 8)};
     grading.ratio = pow(10, rng_between(rng, log10(3), 2));
     grading.bend = rng_below(rng, 3) ? rng_between(rng, -1, 1) : 0;
     grading.noise = rng_between(rng, 0, 0.4);
