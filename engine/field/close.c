@@ -153,7 +153,7 @@ static void trace_round(struct gd__trail *trail, const struct gd__close *close)
         entry = next;
         turned += gd__fan_end(mesh, vertex, entry) - mesh->fan[entry].angle;
     }
-    gd__trail_append_in_face(trail, trail->field->seeds[close->seed].point, mesh->side_face[mesh->fan[entry].side]);
+    gd__trail_append_seed(trail, close->seed, mesh->side_face[mesh->fan[entry].side]);
 }
 
 void gd__close_trace(struct gd__trail *trail, uint32_t face, const struct gd__close *close)
@@ -165,5 +165,5 @@ void gd__close_trace(struct gd__trail *trail, uint32_t face, const struct gd__cl
     }
     double length = mesh->side[close->side].length;
     append_crossing(trail, face, close->side, close->t / length, close->rest / length);
-    gd__trail_append_in_face(trail, trail->field->seeds[close->seed].point, mesh->side_face[close->side ^ 1]);
+    gd__trail_append_seed(trail, close->seed, mesh->side_face[close->side ^ 1]);
 }

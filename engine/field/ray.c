@@ -29,7 +29,7 @@ struct gd__stop gd__ray_arrive(struct gd__trail *trail, uint32_t face, uint32_t 
         return gd__stop_at_vertex(source);
     }
     uint32_t seed = source - trail->mesh->vertex_count;
-    gd__trail_append_in_face(trail, trail->field->seeds[seed].point, face);
+    gd__trail_append_seed(trail, seed, face);
     return gd__stop_at_seed(seed);
 }
 

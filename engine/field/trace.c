@@ -89,7 +89,7 @@ static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *
         break;
     case GD__LEG_SEED:
         if (trail->field->seeds[leg->from].is_segment) return gd__ray_arrive_at_chord(trail, leg->from, leg->face);
-        gd__trail_append_in_face(trail, trail->field->seeds[leg->from].point, leg->face);
+        gd__trail_append_seed(trail, leg->from, leg->face);
         return gd__stop_at_seed(leg->from);
     case GD__LEG_CLOSE:
         return go_to_close_seed(trail, leg);

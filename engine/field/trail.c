@@ -26,13 +26,18 @@ static bool is_same_place(const struct gd_point *a, const struct gd_point *b)
     return fabs(a->weight[0] - b->weight[0]) <= GD_TOL_ON_BORDER;
 }
 
+static void push(struct gd__trail *trail, struct gd_point point, double length)
+{
+    if (!gd__trail_reserve(trail)) return;
+    trail->path.points[trail->path.count++] = point;
+    trail->path.length += length;
+}
+
 void gd__trail_append(struct gd__trail *trail, struct gd_point point, double length)
 {
     struct gd_path *path = &trail->path;
     if (trail->status || (path->count && is_same_place(&path->points[path->count - 1], &point))) return;
-    if (!gd__trail_reserve(trail)) return;
-    path->points[path->count++] = point;
-    path->length += length;
+    push(trail, point, length);
 }
 
 /* Differences of weights, in the frame of the nearest corner, keep short segments exact. */
@@ -47,6 +52,13 @@ double gd__trail_run(const struct gd__trail *trail, const struct gd_point *point
 void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face)
 {
     if (!trail->status) gd__trail_append(trail, point, gd__trail_run(trail, &point, face));
+}
+
+void gd__trail_append_seed(struct gd__trail *trail, uint32_t seed, uint32_t face)
+{
+    struct gd_point point = trail->field->seeds[seed].point;
+    if (trail->status || gd_point_equal(&trail->path.points[trail->path.count - 1], &point)) return;
+    push(trail, point, gd__trail_run(trail, &point, face));
 }
 
 struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t side, double t)

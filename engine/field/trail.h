@@ -37,6 +37,9 @@ double gd__trail_run(const struct gd__trail *trail, const struct gd_point *point
  * distances that the wedges gave enters it, so that the two can be compared. */
 void gd__trail_append_in_face(struct gd__trail *trail, struct gd_point point, uint32_t face);
 
+/* Appends a point seed of such a face, the end of the path, however near it is. */
+void gd__trail_append_seed(struct gd__trail *trail, uint32_t seed, uint32_t face);
+
 /* The point at parameter t of a side; the edge's end when it is within the trail's snap of it. */
 struct gd_point gd__trail_side_point(const struct gd__trail *trail, uint32_t side, double t);
 
