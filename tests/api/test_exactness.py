@@ -14,16 +14,7 @@ PROMISE = 1e-9  # relative error of a distance
 ONE_LANE = 1e-12  # relative difference of two ways to ask
 
 # Recorded cases that the engine does not answer rightly yet. EXACTNESS_PENDING=1: they are asked all the same.
-PENDING = {
-    "beside-vertex-1.obj",
-    "beside-vertex-2.obj",
-    "two-sources-beside-vertex.obj",
-    "rounded-vertex.obj",
-    "small-face-1.obj",
-    "small-face-2.obj",
-    "short-distance.obj",
-    "cut-locus.obj",
-}
+PENDING = {"cut-locus.obj"}
 
 
 def cases(kind):
