@@ -349,6 +349,17 @@ static void check_spline(struct exact_unit *unit, const struct gd_spline *spline
     gd_spline_line_free(&line);
 }
 
+/* The engine takes points that lie closer together than 1e-12 of their neighbours' distance for
+ * one. */
+static bool are_apart(const struct exact_scene *scene, const struct gd_point *points, uint32_t count)
+{
+    double least = INFINITY;
+    for (uint32_t i = 1; i < count; i++)
+        least = fmin(least, gd_vec3_distance(gd_point_position(scene->mesh, &points[i]),
+                                             gd_point_position(scene->mesh, &points[i - 1])));
+    return least > 1e-9 * scene->size;
+}
+
 static void splines(uint64_t number, struct exact_tally *tally)
 {
     struct exact_scene scene;
@@ -359,6 +370,7 @@ static void splines(uint64_t number, struct exact_tally *tally)
         uint32_t count = 3 + rng_below(&scene.rng, POINTS_MOST - 2);
         for (uint32_t k = 0; k < count; k++)
             points[k] = seeds[k].point = k % 2 ? exact_random(&scene) : beside_something(&scene);
+        if (!are_apart(&scene, points, count)) continue;
         struct exact_unit unit = {.scene = &scene, .seeds = seeds, .seed_count = count};
         struct gd_spline_request request = {.points = points, .count = count, .alpha = 0.5};
         struct gd_spline spline;
