@@ -50,7 +50,7 @@
 #define GD_TOL_LOST 1e-12
 
 /* Two windows of one pseudo-source are one when their unfolded sources agree to this part of their distance. */
-#define GD_TOL_SAME_SOURCE 1e-11
+#define GD_TOL_SAME_SOURCE 1e-13
 
 /* Windows of one source that are this part of their width apart leave no gap between them. */
 #define GD_TOL_ADJACENT 1e-9
