@@ -135,6 +135,10 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex);
 /* The leg by which the best way ends. */
 struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point *point);
 
+/* The same at a place of an edge where the path to a vertex bends. In faces as small as rounding its best
+ * way leads back to that vertex: it goes on by the nearer end of the edge then. */
+struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend, uint32_t vertex);
+
 /* gd_field_distance and gd_field_path at once. Where no path leads the distance is INFINITY, and *out is untouched. */
 GD_MUST_USE enum gd_status gd__field_distance_and_path(const struct gd_field *field, const struct gd_point *point,
                                                        double *distance, struct gd_path *out);

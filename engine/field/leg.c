@@ -262,3 +262,16 @@ struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point
         leg.from = way.from;
     return leg;
 }
+
+struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend, uint32_t vertex)
+{
+    struct gd__leg leg = gd__field_leg(field, bend);
+    if (leg.kind != GD__LEG_VERTEX || leg.from != vertex || bend->kind != GD_POINT_EDGE) return leg;
+    const struct gd_mesh *mesh = field->mesh;
+    uint32_t origin = mesh->origin[2 * bend->element], end = mesh->origin[2 * bend->element + 1];
+    double length = mesh->side[2 * bend->element].length;
+    double by_origin = field->distance[origin] + bend->weight[0] * length,
+           by_end = field->distance[end] + gd__edge_rest(bend) * length;
+    leg.from = by_origin < by_end ? origin : end;
+    return leg;
+}

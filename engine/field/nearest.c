@@ -19,7 +19,7 @@ uint32_t gd__field_source_behind(const struct gd_field *field, uint32_t vertex)
     if (birth.source != GD_NONE || birth.side == GD_NONE) return birth.source;
     double t = birth.x / mesh->side[birth.side].length;
     struct gd_point bend = gd__point_of_edge(mesh, birth.side >> 1, birth.side & 1 ? 1 - t : t);
-    struct gd__leg leg = gd__field_leg(field, &bend);
+    struct gd__leg leg = gd__field_leg_onward(field, &bend, vertex);
     return leg.kind == GD__LEG_NONE ? GD_NONE : behind_leg(field, &leg);
 }
 

@@ -110,14 +110,16 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
     gd__trail_append(trail, *point, 0);
     if (trail->status) return; /* what follows looks at the last point */
     struct gd__stop stop = point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(trail, first);
+    uint32_t vertex = GD_NONE; /* the last one */
     while (stop.kind != GD__STOP_SEED && !trail->status) {
         if (!trail->steps_left--) {
             gd__stop_failed(trail, GD_INTERNAL);
         } else if (stop.kind == GD__STOP_VERTEX) {
-            trail->nearest = trail->field->distance[stop.vertex];
-            stop = go_from_vertex(trail, stop.vertex);
+            vertex = stop.vertex;
+            trail->nearest = trail->field->distance[vertex];
+            stop = go_from_vertex(trail, vertex);
         } else {
-            struct gd__leg leg = gd__field_leg(trail->field, &stop.point);
+            struct gd__leg leg = gd__field_leg_onward(trail->field, &stop.point, vertex);
             trail->nearest = leg.distance;
             stop = go_by_leg(trail, &leg);
         }

@@ -9,20 +9,17 @@ static void anchor_edge(const struct gd_mesh *mesh, const struct gd_point *point
     double length = mesh->side[2 * point->element].length;
     for (uint32_t k = 0; k < 2; k++) {
         anchor->corner[k] = mesh->origin[2 * point->element + k];
-        anchor->leg[k] = length * (k ? 1 - point->weight[0] : point->weight[0]);
+        anchor->leg[k] = length * (k ? gd__edge_rest(point) : point->weight[0]);
     }
 }
 
-/* The corner opposite to each side, in that side's frame. */
 static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point, struct gd__anchor *anchor)
 {
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[point->element][k];
-        const struct gd_side *s = &mesh->side[side];
-        struct gd__local at = gd__side_local(s, point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]);
-        double dx = at.x - s->left_length * s->left_x, dy = at.y - s->left_length * s->left_y;
-        anchor->corner[k] = gd__side_apex(mesh, side);
-        anchor->leg[k] = sqrt(dx * dx + dy * dy);
+        anchor->corner[k] = mesh->origin[side];
+        anchor->leg[k] = gd__local_length(
+            gd__side_local(&mesh->side[side], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]));
     }
 }
 
