@@ -143,7 +143,8 @@
 #define GD_TOL_FLOAT       6e-8
 #define GD_TOL_FLOAT_LEAST 1e-44
 
-/* A straight line that comes this close to a vertex, relative to the edge that it crosses there, goes through it; and its end lies on the edge or the
+/* A straight line that comes this close to a vertex, relative to the edge that it crosses there and to the way from its start, whichever is shorter,
+ * goes through it (GD_TOL_PLACE of the edge is added); and its end lies on the edge or the
  * vertex that it is this close to, relative to the edge and to its length, whichever is shorter. Also, as an angle, how far half a turn may miss a
  * boundary edge: straight boundaries are so up to rounding. */
 #define GD_TOL_HIT 1e-12

@@ -120,9 +120,8 @@ enum gd_status gd__unfold(const struct gd_mesh *mesh, const struct gd_point *poi
     struct gd__local from = local_of(mesh, first, a), to = place(&laid, local_of(mesh, laid.side, b)), u = laid.along;
     double x = to.x - from.x, y = to.y - from.y, length = hypot(x, y);
     if (length == 0) x = 1;
-    *out = (struct gd__straight){
-        .length = length,
-        .ahead = gd__turn_in_face(mesh, a, first, x, y),
-        .back = gd__turn_in_face(mesh, b, laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
+    *out = (struct gd__straight){.length = length,
+                                 .ahead = gd__turn_in_face(mesh, a, first, x, y),
+                                 .back = gd__turn_in_face(mesh, b, laid.side, -(x * u.x + y * u.y), x * u.y - y * u.x)};
     return GD_OK;
 }

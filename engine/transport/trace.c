@@ -130,7 +130,8 @@ static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, d
 static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, const struct gd__passage *passage)
 {
     const struct gd__flight *flight = &tracer->flight;
-    double snap = GD_TOL_HIT * passage->edge + drift(tracer);
+    double gone = tracer->line.gone + passage->run; /* near its start a line tells the sides of a vertex well */
+    double snap = GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
     if (!(flight->t > snap && flight->t < passage->edge - snap)) return pass_vertex(tracer, ray, passage->edge, snap);
     double end_snap = GD_TOL_HIT * fmin(passage->edge, tracer->line.length) + drift(tracer);
     if (gd__line_rest(&tracer->line) <= passage->run + end_snap) return end_in_face(tracer, ray, end_snap);
@@ -218,13 +219,13 @@ static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool for
     return append(tracer, vertex, face, is_end ? rest : run, is_end ? HALT_END : HALT_VERTEX);
 }
 
-/* Does the line reach the boundary at so small an angle that it passes the vertex ahead within rounding? Then it meets that
- * vertex: where it crosses the edge is not told by the angle. */
+/* Does the line reach the boundary at so small an angle that its end, or the vertex ahead, lies on the edge within rounding? Then
+ * it goes on along the edge: the angle does not tell where the line crosses it. */
 static bool grazes(const struct tracer *tracer)
 {
     const struct gd__flight *flight = &tracer->flight;
     double edge = tracer->mesh->side[flight->side].length, ahead = flight->dx > 0 ? edge - flight->t : flight->t;
-    return ahead * flight->dy <= GD_TOL_HIT * edge + drift(tracer);
+    return fmin(ahead, gd__line_rest(&tracer->line)) * flight->dy <= GD_TOL_HIT * edge + drift(tracer);
 }
 
 static enum halt at_border(struct tracer *tracer)

@@ -12,8 +12,8 @@
  * Catmull-Clark meshes (the rule of normals). Across an edge the two faces are laid flat. At a vertex there is more than one way to be straight:
  *     bisect    half of the total angle is left on each side
  *     normal    on in the plane of the line that comes in and the vertex' normal: for meshes that stand for a smooth surface
- * A line that passes a vertex within rounding (1e-12 of the edge that it crosses) goes through it, so that it doesn't matter to which side of it
- * rounding falls.
+ * A line that passes a vertex within rounding goes through it, so that it doesn't matter to which side of it rounding falls: within
+ * 1e-12 of the edge that it crosses or of the way from its start, whichever is shorter, and 4e-15 of the edge.
  *
  * At the boundary a line stops, or slides: on along the boundary, to the side to which it leans, as long as it makes an acute angle with the edge that
  * comes next, and off it again where the boundary falls back and straight on is surface. At a vertex of the boundary straight on is half a turn
