@@ -111,6 +111,12 @@ static struct gd__local corner_of(const struct gd_mesh *mesh, uint32_t side, uin
     return (struct gd__local){s->left_length * s->left_x, s->left_length * s->left_y};
 }
 
+/* The line ends on the edge or the vertex that its end is no farther from. */
+static double snap_of_end(const struct tracer *tracer, double edge)
+{
+    return GD_TOL_HIT * fmin(edge, tracer->line.length) + drift(tracer);
+}
+
 /* The line leaves the ray's face through an end of the edge to which the flight has come. */
 static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, double edge, double snap)
 {
@@ -119,7 +125,7 @@ static enum halt pass_vertex(struct tracer *tracer, const struct gd__ray *ray, d
     struct gd_point vertex = gd__point_of_vertex(mesh->origin[flight->side ^ !(flight->t < 0.5 * edge)]);
     struct gd__local corner = corner_of(mesh, ray->side, vertex.element);
     double run = hypot(corner.x - ray->x, corner.y - ray->y);
-    if (gd__line_rest(&tracer->line) < run - snap) return end_in_face(tracer, ray, snap);
+    if (gd__line_rest(&tracer->line) < run - snap) return end_in_face(tracer, ray, snap_of_end(tracer, edge));
     tracer->back = gd__turn_in_face(mesh, &vertex, flight->side ^ 1, flight->dx, flight->dy);
     bool is_end = gd__line_rest(&tracer->line) <= run + snap;
     return append(tracer, vertex, mesh->side_face[ray->side], is_end ? gd__line_rest(&tracer->line) : run,
@@ -133,7 +139,7 @@ static inline enum halt pass(struct tracer *tracer, const struct gd__ray *ray, c
     double gone = tracer->line.gone + passage->run; /* near its start a line tells the sides of a vertex well */
     double snap = GD_TOL_HIT * fmin(passage->edge, gone) + GD_TOL_PLACE * passage->edge + drift(tracer);
     if (!(flight->t > snap && flight->t < passage->edge - snap)) return pass_vertex(tracer, ray, passage->edge, snap);
-    double end_snap = GD_TOL_HIT * fmin(passage->edge, tracer->line.length) + drift(tracer);
+    double end_snap = snap_of_end(tracer, passage->edge);
     if (gd__line_rest(&tracer->line) <= passage->run + end_snap) return end_in_face(tracer, ray, end_snap);
     struct gd_point point = gd__point_within_side(flight->side, flight->t / passage->edge);
     return append(tracer, point, tracer->meetings ? tracer->mesh->side_face[flight->side ^ 1] : GD_NONE, passage->run,
@@ -206,7 +212,7 @@ static enum halt slide(struct tracer *tracer, uint32_t side, double at, bool for
     const struct gd_mesh *mesh = tracer->mesh;
     double edge = mesh->side[side].length, run = forward ? edge - at : at, rest = gd__line_rest(&tracer->line);
     uint32_t face = mesh->side_face[side ^ 1];
-    double snap = GD_TOL_HIT * fmin(edge, tracer->line.length) + drift(tracer);
+    double snap = snap_of_end(tracer, edge);
     if (rest < run - snap) {
         double part = (forward ? at + rest : at - rest) / edge;
         struct gd_point end = gd__point_of_edge(mesh, side >> 1, side & 1 ? 1 - part : part);
