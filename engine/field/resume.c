@@ -36,6 +36,14 @@ static bool has_little(const struct gd_field *partial)
     return within < PART_WORTH_KEEPING * vertices;
 }
 
+/* Wedges' ends are stored to 2^-32 of their edges: beside edges that are long for the reach, that is more
+ * than rounding to the windows that are cast from them again. */
+static bool is_coarse(const struct gd_field *partial)
+{
+    const struct gd_mesh *mesh = partial->mesh;
+    return partial->reach < GD_TOL_COARSE * mesh->summary.edge_length.max / mesh->unit;
+}
+
 static void add_statistics(struct gd_field_statistics *to, const struct gd_field_statistics *from)
 {
     to->windows_created += from->windows_created;
@@ -60,8 +68,9 @@ static enum gd_status resume(struct gd_field *field, const struct gd_field *part
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
                                           .radius = radius > 0 ? radius / field->mesh->unit : GD__FAR};
-    bool anew = executor && executor->width > 1 && has_little(partial) &&
+    bool pays = executor && executor->width > 1 && has_little(partial) &&
                 gd__domain_is_worth_it(field->mesh, &propagation, control);
+    bool anew = pays || is_coarse(partial);
     if (!anew) propagation.begun = &begun;
     status = gd__field_propagate(field, &propagation, control, executor);
     if (!anew) add_statistics(&field->statistics, &partial->statistics);

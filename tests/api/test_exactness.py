@@ -13,19 +13,11 @@ SHARED = pathlib.Path(os.environ.get("GEODESICD_SHARED", "../shared")) / "exactn
 PROMISE = 1e-9  # relative error of a distance
 ONE_LANE = 1e-12  # relative difference of two ways to ask
 
-# Recorded cases that the engine does not answer rightly yet. EXACTNESS_PENDING=1: they are asked all the same.
-PENDING = {"cut-locus.obj"}
-
 
 def cases(kind):
     if not SHARED.exists():
         raise unittest.SkipTest(f"there is no folder {SHARED}")
-    found = [case for case in json.loads((SHARED / "cases.json").read_text()) if kind(case)]
-    if os.environ.get("EXACTNESS_PENDING") != "1":
-        found = [case for case in found if case["mesh"] not in PENDING]
-    if not found:
-        raise unittest.SkipTest("all of them are pending: EXACTNESS_PENDING=1 asks them")
-    return found
+    return [case for case in json.loads((SHARED / "cases.json").read_text()) if kind(case)]
 
 
 def relative(a, b):

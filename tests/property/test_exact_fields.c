@@ -292,12 +292,12 @@ static void thin_tubes(uint64_t number, struct exact_tally *tally)
 static const struct exact_section sections[] = {
     {"general_position", "fields with one source anywhere", general_position, 300, 20000, EXACT_HOLDS},
     {"one_source", "fields with one source 1e-15 to 1e-9 edge lengths from a vertex", one_source, 600, 100000,
-     EXACT_PENDING},
-    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, EXACT_PENDING},
+     EXACT_HOLDS},
+    {"several_sources", "fields of 2 to 5 sources within 1e-12 of a vertex", several_sources, 150, 5000, EXACT_HOLDS},
     {"rounded_vertices", "vertices written with 13 to 15 digits, up to 1e4 mesh sizes away", rounded_vertices, 300,
-     20000, EXACT_PENDING},
+     20000, EXACT_HOLDS},
     {"short_distances", "distances between points 1e-14 to 1e-3 edge lengths from a vertex", short_distances, 300,
-     20000, EXACT_PENDING},
+     20000, EXACT_HOLDS},
     {"snaps", "points move by at most 1e-14 edge lengths, as is reported", snaps, 1000, 100000, EXACT_HOLDS},
     {"thin_tubes", "fields on tubes down to 5e-9 of their length thin", thin_tubes, 24, 5000, EXACT_MAY_FAIL},
 };

@@ -26,8 +26,7 @@ struct exact_tally {
 
 enum exact_flag {
     EXACT_HOLDS,
-    EXACT_MAY_FAIL, /* errors are counted, and allowed; wrong answers are not */
-    EXACT_PENDING   /* known to fail: the short form prints the figures and passes */
+    EXACT_MAY_FAIL /* errors are counted, and allowed; wrong answers are not */
 };
 
 struct exact_section {
