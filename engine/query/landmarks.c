@@ -6,6 +6,7 @@
 
 #include "base/share.h"
 #include "field/layout.h"
+#include "mesh/canonical.h"
 #include "mesh/stamp.h"
 
 struct gd_landmarks {
@@ -75,29 +76,28 @@ size_t gd_landmarks_memsize(const struct gd_landmarks *landmarks)
 struct column {
     struct gd_landmarks *landmarks;
     uint32_t index;
-    double *nearest; /* per vertex: distance from the nearest landmark so far */
+    double *nearest;  /* per vertex: distance from the nearest landmark so far */
+    double *distance; /* per index of the input: of this one, outside unit */
 };
 
-/* A sink that keeps distances only. */
-static enum gd_status keep_distances(void *user, struct gd__wavefront *front, const struct gd_executor *executor)
+static void take(struct column *column, uint32_t vertex, double distance)
 {
-    (void)executor;
-    struct column *column = user;
     struct gd_landmarks *landmarks = column->landmarks;
-    for (uint32_t v = 0; v < front->mesh->vertex_count; v++) {
-        double distance = front->distance[v];
-        landmarks->distance[(size_t)GD__LANDMARKS_MOST * v + column->index] = distance < GD__FAR ? (float)distance : 0;
-        if (distance < column->nearest[v]) column->nearest[v] = distance;
-    }
-    return GD_OK;
+    landmarks->distance[(size_t)GD__LANDMARKS_MOST * vertex + column->index] = isfinite(distance) ? (float)distance : 0;
+    if (distance < column->nearest[vertex]) column->nearest[vertex] = distance;
 }
 
+/* Where the field fails its check the column says nothing, and the vertex is not chosen again. */
 static enum gd_status measure(struct column *column, uint32_t vertex, const struct gd_control *control)
 {
-    struct gd__seed seed = {.point = {.kind = GD_POINT_VERTEX, .element = vertex}};
-    struct gd__propagation propagation = {.seeds = &seed, .seed_count = 1, .radius = GD__FAR, .without_wedges = true};
-    struct gd__sink sink = {.take = keep_distances, .user = column};
-    return gd__wavefront_run(column->landmarks->mesh, &propagation, &sink, control, NULL);
+    const struct gd_mesh *mesh = column->landmarks->mesh;
+    struct gd_seed seed = {.point = gd__point_of_vertex(vertex)};
+    struct gd_field_request request = {.seeds = &seed, .seed_count = 1};
+    enum gd_status status = gd_field_distances_only(mesh, &request, control, column->distance, NULL);
+    if (status == GD_INTERNAL) column->nearest[vertex] = 0;
+    for (uint32_t v = 0; v < mesh->vertex_count && !status; v++)
+        take(column, v, column->distance[mesh->index_of_vertex[v]] / mesh->unit);
+    return status == GD_INTERNAL ? GD_OK : status;
 }
 
 /* Other components first: they are as far as can be. */
@@ -134,13 +134,15 @@ enum gd_status gd_landmarks_build(const struct gd_mesh *mesh, uint32_t count, co
                                   struct gd_landmarks **out)
 {
     if (count == 0 || count > GD__LANDMARKS_MOST) return GD_INVALID_ARGUMENT;
-    size_t held = bytes_of(mesh) + sizeof(double) * mesh->vertex_count;
+    size_t held = bytes_of(mesh) + sizeof(double) * ((size_t)mesh->vertex_count + mesh->summary.index_count);
     enum gd_status status = gd_control_afford(control, held);
     if (status) return status;
     struct column column = {.landmarks = create(mesh, count),
-                            .nearest = malloc(sizeof *column.nearest * mesh->vertex_count)};
-    status = column.landmarks && column.nearest ? measure_all(&column, control, held) : GD_NO_MEMORY;
+                            .nearest = malloc(sizeof *column.nearest * mesh->vertex_count),
+                            .distance = malloc(sizeof *column.distance * mesh->summary.index_count)};
+    status = column.landmarks && column.nearest && column.distance ? measure_all(&column, control, held) : GD_NO_MEMORY;
     free(column.nearest);
+    free(column.distance);
     if (status)
         gd_landmarks_release(column.landmarks);
     else
