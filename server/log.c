@@ -2,8 +2,13 @@
  * out: so that every line is valid JSON whatever a client put into it. */
 #include "server/log.h"
 
+#include <errno.h>
+#include <limits.h>
+#include <poll.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -11,13 +16,17 @@
 
 #include "proto/number.h"
 #include "server/printable.h"
-#include "server/thread.h"
 
 #define LINE_RESERVE 2 /* brace, newline */
 #define TEXT_LIMIT   512
 
-#define GATHERED_MOST 65536
-#define GATHER_NS     UINT64_C(10000000) /* a line is written so late at most */
+#define SECOND_NS     1000000000
+#define GATHER_NS     10000000  /* a line waits so long for others */
+#define GATHERED_MOST (1 << 20) /* bytes of lines that wait; as many are being written */
+#define NOTE_SIZE     256       /* of the line that tells of dropped ones */
+#define DIRECT_MS     100       /* without the writer's thread: how long a line waits for room */
+#define LAST_LINES_S  1         /* at the stop: how long the writer may take for what is left */
+#define CRASH_MS      200
 
 const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT] = {
 #define SERVER_LOG_NAME(NAME, name) #name,
@@ -177,110 +186,244 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 
 /* --- to standard error --------------------------------------------------------------------------------------------
  *
- * Lines gather in one text while another one is being written, so that nobody who ends a line soon waits for the system
- * while there is room in it. */
+ * Lines gather in one text while the writer's thread writes the other one. Only that thread ever waits for the reader of
+ * standard error: it may be a pipe that nobody reads. Without the thread (the tools, the first lines, the last ones) a line
+ * is written by its caller, who waits DIRECT_MS at most. */
 
-/* Lines that are not written yet. */
+struct text {
+    size_t size;
+    char bytes[GATHERED_MOST];
+};
+
 static struct {
     pthread_mutex_t lock;
-    struct server_thread *thread; /* writes them; NULL: nothing is gathered */
-    bool is_awake;                /* the thread will write what is here */
-    unsigned turn;                /* of the texts: they gather in this one */
-    size_t size;
-    char text[2][GATHERED_MOST];
-} gathered = {.lock = PTHREAD_MUTEX_INITIALIZER};
+    pthread_cond_t change;
+    pthread_t writer;
+    bool has_writer, is_stopping;
+    bool is_urgent; /* a line is to be written at once */
+    bool is_full;   /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
+    struct text *gathering, *other;
+    atomic_bool is_behind; /* a line is not written yet */
+    atomic_uint_least64_t dropped;
+    uint64_t noted; /* lines of `dropped` that a note has told of */
+    struct text texts[2];
+} output = {.lock = PTHREAD_MUTEX_INITIALIZER, .gathering = &output.texts[0], .other = &output.texts[1]};
 
-/* Whose it is has the other text. Taken before gathered.lock. */
-static pthread_mutex_t writing = PTHREAD_MUTEX_INITIALIZER;
-
-/* Takes the lines that have gathered. */
-static const char *take_gathered(size_t *size)
+uint64_t server_log_dropped(void)
 {
-    pthread_mutex_lock(&gathered.lock);
-    const char *text = gathered.text[gathered.turn];
-    *size = gathered.size;
-    gathered.turn ^= 1;
-    gathered.size = 0;
-    pthread_mutex_unlock(&gathered.lock);
-    return text;
+    return atomic_load_explicit(&output.dropped, memory_order_relaxed);
 }
 
-/* There is nowhere to report a log that can't be written: what is left of it then is dropped. */
-static void write_gathered(void)
+static uint64_t count_lines(const char *bytes, size_t size)
 {
-    size_t size;
-    ssize_t written = 1;
-    pthread_mutex_lock(&writing);
-    const char *text = take_gathered(&size);
-    for (size_t at = 0; at < size && written > 0; at += (size_t)written)
-        written = write(STDERR_FILENO, text + at, size - at);
-    pthread_mutex_unlock(&writing);
+    uint64_t lines = 0;
+    for (const char *end; (end = memchr(bytes, '\n', size)); bytes = end + 1, lines++)
+        size -= (size_t)(end + 1 - bytes);
+    return lines;
 }
 
-/* Adds the line, under the lock, which it takes. */
-static void gather(struct server_log_line *line)
+/* Waits until standard error takes bytes; false: it does not, for so long (negative: for ever). */
+static bool wait_for_room(int milliseconds)
+{
+    struct pollfd state = {.fd = STDERR_FILENO, .events = POLLOUT};
+    int found = poll(&state, 1, milliseconds);
+    return found > 0 || (found < 0 && errno == EINTR);
+}
+
+/* Returns how many bytes were written, of which no more than `most` at once. Stops at an error, and after `patience_ms` without
+ * room (negative: never). */
+static size_t write_bytes(const char *bytes, size_t size, size_t most, int patience_ms)
+{
+    size_t at = 0;
+    while (at < size) {
+        if (patience_ms >= 0 && !wait_for_room(patience_ms)) break;
+        ssize_t written = write(STDERR_FILENO, bytes + at, size - at < most ? size - at : most);
+        if (written > 0)
+            at += (size_t)written;
+        else if (errno == EAGAIN && !wait_for_room(patience_ms)) /* somebody made it non-blocking */
+            break;
+        else if (errno != EINTR && errno != EAGAIN)
+            break;
+    }
+    return at;
+}
+
+/* Writes a text that is the caller's. Lines that can't be written are counted: there is nowhere to report them. */
+static void write_text(struct text *text, size_t most, int patience_ms)
+{
+    size_t written = write_bytes(text->bytes, text->size, most, patience_ms);
+    atomic_fetch_add(&output.dropped, count_lines(text->bytes + written, text->size - written));
+    text->size = 0;
+}
+
+static bool add_bytes(struct text *text, const char *bytes, size_t size, size_t most)
+{
+    if (size > most - text->size) return false;
+    memcpy(text->bytes + text->size, bytes, size);
+    text->size += size;
+    return true;
+}
+
+static void close_line(struct server_log_line *line)
 {
     memcpy(line->text + line->size, "}\n", 2);
     line->size += 2;
-    pthread_mutex_lock(&gathered.lock);
-    while (line->size > GATHERED_MOST - gathered.size) {
-        pthread_mutex_unlock(&gathered.lock);
-        write_gathered();
-        pthread_mutex_lock(&gathered.lock);
+}
+
+/* Under the lock: ends a text behind which lines were dropped with a line that says so. */
+static void note_dropped(struct text *text)
+{
+    struct server_log_line line;
+    uint64_t dropped = server_log_dropped();
+    if (dropped == output.noted || !server_log_begin(&line, SERVER_LOG_WARN, "log_dropped")) return;
+    server_log_integer(&line, "lines", (int64_t)(dropped - output.noted));
+    server_log_text(&line, "message", "standard error was not read fast enough");
+    close_line(&line);
+    output.noted = dropped;
+    (void)add_bytes(text, line.text, line.size, GATHERED_MOST); /* NOTE_SIZE is kept free for it */
+}
+
+/* Under the lock: the text with what has gathered, for the caller to write; lines gather in the other one. */
+static struct text *swap_texts(void)
+{
+    struct text *full = output.gathering;
+    note_dropped(full);
+    output.gathering = output.other;
+    output.other = full;
+    output.is_full = output.is_urgent = false;
+    return full;
+}
+
+/* Under the lock, which is given up meanwhile: until a line is to be written at once, the text is half full, or lines have had
+ * GATHER_NS to gather. */
+static void wait_for_lines(void)
+{
+    struct timespec until;
+    while (!output.gathering->size && !output.is_stopping) pthread_cond_wait(&output.change, &output.lock);
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_nsec += GATHER_NS;
+    until.tv_sec += until.tv_nsec / SECOND_NS;
+    until.tv_nsec %= SECOND_NS;
+    while (!output.is_urgent && !output.is_stopping &&
+           pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT)
+        continue;
+}
+
+static void *write_lines(void *user)
+{
+    (void)user;
+    pthread_mutex_lock(&output.lock);
+    while (!output.is_stopping || output.gathering->size) {
+        wait_for_lines();
+        struct text *text = swap_texts();
+        pthread_mutex_unlock(&output.lock);
+        write_text(text, SIZE_MAX, -1);
+        pthread_mutex_lock(&output.lock);
+        atomic_store(&output.is_behind, output.gathering->size > 0);
     }
-    memcpy(gathered.text[gathered.turn] + gathered.size, line->text, line->size);
-    gathered.size += line->size;
+    pthread_mutex_unlock(&output.lock);
+    return NULL;
+}
+
+/* Under the lock: the first line of a text, an urgent one and the one that makes it half full wake the writer. */
+static void gather(const struct server_log_line *line, bool is_urgent)
+{
+    struct text *text = output.gathering;
+    size_t before = text->size;
+    output.is_full = output.is_full || !add_bytes(text, line->text, line->size, GATHERED_MOST - NOTE_SIZE);
+    if (output.is_full) {
+        atomic_fetch_add_explicit(&output.dropped, 1, memory_order_relaxed);
+        return;
+    }
+    bool is_half = before < GATHERED_MOST / 2 && text->size >= GATHERED_MOST / 2;
+    bool wakes = !before || ((is_urgent || is_half) && !output.is_urgent);
+    output.is_urgent = output.is_urgent || is_urgent || is_half;
+    atomic_store_explicit(&output.is_behind, true, memory_order_relaxed);
+    if (wakes) pthread_cond_signal(&output.change);
+}
+
+static void end_line(struct server_log_line *line, bool is_urgent)
+{
+    close_line(line);
+    pthread_mutex_lock(&output.lock);
+    if (output.has_writer)
+        gather(line, is_urgent);
+    else if (write_bytes(line->text, line->size, PIPE_BUF, DIRECT_MS) < line->size)
+        atomic_fetch_add(&output.dropped, 1);
+    pthread_mutex_unlock(&output.lock);
 }
 
 void server_log_end(struct server_log_line *line)
 {
-    gather(line);
-    pthread_mutex_unlock(&gathered.lock);
-    write_gathered();
+    end_line(line, true);
 }
 
 void server_log_end_soon(struct server_log_line *line)
 {
-    gather(line);
-    bool is_late = !gathered.thread;
-    if (!is_late && !gathered.is_awake) server_thread_wake(gathered.thread);
-    gathered.is_awake = !is_late;
-    pthread_mutex_unlock(&gathered.lock);
-    if (is_late) write_gathered();
+    end_line(line, false);
 }
 
-/* Lets lines gather from the first one on. */
-static void write_now_and_then(void *user, struct server_thread *thread)
+/* --- the writer's life -------------------------------------------------------------------------------------------- */
+
+bool server_log_start(void)
 {
-    (void)user;
-    while (server_thread_pause(thread, SERVER_THREAD_FOREVER)) {
-        (void)server_thread_sleep(thread, GATHER_NS);
-        pthread_mutex_lock(&gathered.lock);
-        gathered.is_awake = false;
-        pthread_mutex_unlock(&gathered.lock);
-        write_gathered();
-    }
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&output.change, &attributes);
+    pthread_condattr_destroy(&attributes);
+    pthread_mutex_lock(&output.lock);
+    output.is_stopping = false;
+    output.has_writer = pthread_create(&output.writer, NULL, write_lines, NULL) == 0;
+    pthread_mutex_unlock(&output.lock);
+    return output.has_writer;
 }
 
-static struct server_thread *swap_thread(struct server_thread *thread)
-{
-    pthread_mutex_lock(&gathered.lock);
-    struct server_thread *before = gathered.thread;
-    gathered.thread = thread;
-    gathered.is_awake = false;
-    pthread_mutex_unlock(&gathered.lock);
-    write_gathered();
-    return before;
-}
-
-void server_log_start(void)
-{
-    swap_thread(server_thread_start(write_now_and_then, NULL));
-}
-
+/* A thread that still waits for the reader of standard error is left behind. */
 void server_log_stop(void)
 {
-    server_thread_stop(swap_thread(NULL));
+    struct timespec until;
+    pthread_mutex_lock(&output.lock);
+    bool had_writer = output.has_writer;
+    output.is_stopping = true;
+    if (had_writer) pthread_cond_signal(&output.change);
+    pthread_mutex_unlock(&output.lock);
+    if (!had_writer) return;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += LAST_LINES_S;
+    if (pthread_clockjoin_np(output.writer, NULL, CLOCK_MONOTONIC, &until) != 0) {
+        pthread_detach(output.writer);
+        return;
+    }
+    pthread_mutex_lock(&output.lock);
+    output.has_writer = false;
+    if (output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS); /* lines that came while it ended */
+    pthread_mutex_unlock(&output.lock);
+}
+
+/* --- crashes ------------------------------------------------------------------------------------------------------ */
+
+static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+static struct sigaction before_us[sizeof crashes / sizeof *crashes];
+
+/* The writer goes on while a crashing thread is here, for a moment; then what would have become of the signal does. Calls only
+ * what a handler may call. */
+static void on_crash(int number, siginfo_t *info, void *context)
+{
+    int saved = errno;
+    (void)context;
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        if (crashes[i] == number) sigaction(number, &before_us[i], NULL);
+    for (int i = 0; i < CRASH_MS && atomic_load(&output.is_behind); i++) poll(NULL, 0, 1);
+    errno = saved;
+    if (info->si_code <= 0) raise(number); /* sent: else the instruction is run again, and fails again */
+}
+
+void server_log_flush_at_crash(void)
+{
+    struct sigaction action = {.sa_sigaction = on_crash, .sa_flags = SA_SIGINFO};
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, &before_us[i]);
 }
 
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)

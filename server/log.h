@@ -6,9 +6,12 @@
  *         server_log_end(&line);
  *     }
  *
- * A line is built in the caller's frame and written whole, so lines of different threads don't mix. Lines that tell of requests
- * may be written a little later, many at once: they stay in order, and only a crash loses them. Text is escaped and cut to
- * what fits; a log never fails a request. */
+ * A line is built in the caller's frame and written whole, so lines of different threads don't mix. Text is escaped and cut to
+ * what fits.
+ *
+ * DESIGN. Once started, a log never waits and never fails a request: lines are copied into a bounded buffer, in order, and a thread
+ * of its own writes them. If standard error is not read, or too slowly, lines are dropped and counted, and where they are missing
+ * stands a line `log_dropped` with their number. Standard error stays as it was inherited: it is blocking for those that share it. */
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H
 
@@ -45,12 +48,19 @@ void server_log_text(struct server_log_line *line, const char *key,
                      const char *value); /* value NULL: the key is left out */
 void server_log_integer(struct server_log_line *line, const char *key, int64_t value);
 void server_log_milliseconds(struct server_log_line *line, const char *key, uint64_t nanoseconds);
-void server_log_end(struct server_log_line *line);      /* writes it, after all those before it */
+void server_log_end(struct server_log_line *line);      /* has it written at once, after all those before it */
 void server_log_end_soon(struct server_log_line *line); /* has it written within hundredths of a second */
 
-/* From the start to the stop, lines that are ended soon gather, and a thread writes them; else they are written at once. */
-void server_log_start(void);
+/* Starts the writer's thread; false: there is none. Before the start and after the stop a caller writes its lines itself, and waits
+ * a tenth of a second at most. The stop waits a second at most for the last lines to be written. */
+bool server_log_start(void);
 void server_log_stop(void);
+
+/* Has a crash wait a moment for the lines before it to be written. Once, before any thread starts. */
+void server_log_flush_at_crash(void);
+
+/* Lines that were dropped since the start. Thread-safe, takes no lock. */
+uint64_t server_log_dropped(void);
 
 /* A whole line of an event and one sentence. */
 void server_log_message(enum server_log_level level, const char *event, const char *format, ...)

@@ -1,9 +1,11 @@
 /* geodesicd: configuration, signals, and nothing else. */
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "gd/cpu.h"
 #include "server/config.h"
@@ -27,6 +29,14 @@ static void block_signals(sigset_t *awaited)
     pthread_sigmask(SIG_BLOCK, awaited, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
+}
+
+/* Descriptors that are closed at the start become /dev/null: else the first file that is opened would get the log. */
+static void open_standard_descriptors(void)
+{
+    int descriptor;
+    while ((descriptor = open("/dev/null", O_RDWR)) >= 0 && descriptor <= STDERR_FILENO) continue;
+    if (descriptor >= 0) close(descriptor);
 }
 
 static void wait_for_end(struct server *server, const sigset_t *awaited)
@@ -72,6 +82,7 @@ int main(int argc, char *argv[])
     struct server_config config;
     sigset_t awaited;
     char error[512];
+    open_standard_descriptors();
     if (argc > 1 && strcmp(argv[1], "keygen") == 0)
         return server_keygen(argc - 2, argv + 2, stdout, stderr) ? EXIT_SUCCESS : EXIT_USAGE;
     switch (server_config_load(&config, argc, argv, stdout, stderr)) {
@@ -90,7 +101,11 @@ int main(int argc, char *argv[])
         return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
     struct server_sandbox sandbox = server_sandbox_enter(&config);
-    server_log_start();
+    if (!server_log_start()) {
+        server_log_message(SERVER_LOG_ERROR, "start_failed", "no thread can be started for the log");
+        return EXIT_FAILURE;
+    }
+    server_log_flush_at_crash();
     struct server *server = server_start(&config, error, sizeof error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);

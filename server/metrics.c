@@ -13,6 +13,7 @@
 #include "server/connections.h"
 #include "server/events.h"
 #include "server/jobs.h"
+#include "server/log.h"
 #include "server/scrub.h"
 #include "server/server.h"
 #include "server/version.h"
@@ -359,6 +360,8 @@ static void write_process(const struct server_metrics *metrics, struct proto_wri
     write_one(writer, "failed_checks_total", "counter",
               "Answers withheld because a self-check failed or the work ran away.",
               (double)atomic_load(&metrics->failed_checks));
+    write_one(writer, "log_lines_dropped_total", "counter", "Lines of the log that nobody read in time.",
+              (double)server_log_dropped());
 }
 
 void server_metrics_write(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer)
