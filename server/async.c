@@ -119,6 +119,7 @@ struct server_async *server_async_create(struct server_jobs *jobs, struct server
     job->transport = (struct server_transport){.finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
     if (asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
     if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);
+    if (job->exchange) job->exchange->job.is_patient = true;
     if (job->exchange) return job;
     server_async_release(job);
     return NULL;

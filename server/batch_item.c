@@ -33,6 +33,7 @@ static bool set_request(struct server_batch_item *item, const struct proto_write
 {
     struct server_exchange *exchange = item->exchange;
     exchange->method = "POST";
+    exchange->job.is_patient = true;
     exchange->tenant = item->claim.tenant;
     server_exchange_add_header(exchange, "Content-Type", CONTENT_TYPE);
     if (item->tag[0]) server_exchange_add_header(exchange, "If-Match", item->tag);

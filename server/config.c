@@ -44,12 +44,17 @@ static const struct server_setting options[] = {
      SERVER_CONFIG_CONNECTIONS, "8192", NULL},
     {"max-address-connections", "N", "connections of one address that are open at once; others are closed; 0: no limit",
      KIND_COUNT, MEMBER(max_address_connections), 0, SERVER_CONFIG_CONNECTIONS, "2048", NULL},
-    {"workers", "N", "threads that build meshes and propagate (default: the number of cores)", KIND_COUNT,
-     MEMBER(workers), 1, 1024, NULL, NULL},
+    {"workers", "N",
+     "threads that build meshes and propagate (default: the number of cores); as many spare ones begin work only for a "
+     "tenant that has none under way, or for requests while jobs have the others",
+     KIND_COUNT, MEMBER(workers), 1, 1024, NULL, NULL},
     {"http-threads", "N", "threads that speak HTTP (default: the number of cores)", KIND_COUNT, MEMBER(http_threads), 1,
      256, NULL, NULL},
-    {"queue-length", "N", "requests that may wait for a worker before others get 503", KIND_COUNT, MEMBER(queue_length),
-     1, 1000000, "256", NULL},
+    {"queue-length", "N",
+     "requests that may wait for a worker before others get 503, and as many jobs; with keys no tenant takes more "
+     "places "
+     "than it leaves free",
+     KIND_COUNT, MEMBER(queue_length), 1, 1000000, "256", NULL},
     {"cpu", "NAME",
      "instructions of the kernels: auto (the best that the machine has), baseline, avx2 or avx512; answers are the "
      "same",
@@ -71,8 +76,9 @@ static const struct server_setting options[] = {
     {"job-ttl-s", "S", "how long a job and its answer are kept after its end", KIND_COUNT, MEMBER(job_ttl_s), 1,
      31536000, "3600", NULL},
     {"max-jobs", "N",
-     "most jobs; the oldest that have ended make way for new ones, as they do when answers fill an eighth of the "
-     "memory budget",
+     "most jobs; the oldest that have ended, of the key that has the most, make way for new ones, as they do when "
+     "answers "
+     "fill an eighth of the memory budget",
      KIND_COUNT, MEMBER(max_jobs), 1, 1000000, "10000", NULL},
     {"landmarks", "N",
      "landmark fields that a mesh gets in idle time once it is searched, to make later searches shorter; 0: none",

@@ -219,7 +219,7 @@ struct server_exchange *server_exchange_detach(struct server_exchange *exchange,
     detached->is_http10 = exchange->is_http10;
     memcpy(detached->request_id, exchange->request_id, sizeof detached->request_id);
     server_grant_pass(&exchange->grant, &detached->grant);
-    detached->tenant = exchange->tenant;
+    detached->tenant = detached->job.tenant = exchange->tenant;
     detached->body = exchange->body;
     exchange->body = (struct server_body){0};
     return detached;
@@ -352,10 +352,12 @@ void server_exchange_submit(struct server_exchange *exchange)
 {
     struct server *server = exchange->server;
     server_deferred_begin(server);
+    exchange->job.tenant = exchange->tenant;
     if (exchange->join && exchange->join(exchange)) return;
     if (server_workers_submit(server->workers, &exchange->job)) return;
     server_reply_refusal(exchange, PROTO_PROBLEM_OVERLOADED,
-                         "all workers are busy and %llu requests wait already; try again in a moment",
+                         "all workers are busy, and as many requests wait as may (%llu, which tenants share); "
+                         "try again in a moment",
                          (unsigned long long)server->config.queue_length);
     finish(exchange);
 }

@@ -10,12 +10,18 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+struct server_lane;
+
 enum server_refusal { SERVER_REFUSAL_DEADLINE, SERVER_REFUSAL_DRAINING, SERVER_REFUSAL_MEMORY };
 
 struct server_job {
     struct server_job *next;
-    uint64_t deadline_ns;    /* on the clock of gd_now_ns() */
-    atomic_bool is_unwanted; /* set by any thread: as if the deadline had passed */
+    uint64_t deadline_ns; /* on the clock of gd_now_ns() */
+    const char *tenant;   /* whose share of the workers it uses (lanes.h), as long as the job lives; NULL: that of the
+                                job that submits it */
+    struct server_lane *lane; /* the workers' own */
+    bool is_patient;          /* no client waits on the line for it */
+    atomic_bool is_unwanted;  /* set by any thread: as if the deadline had passed */
     void (*run)(struct server_job *job);
     void (*refuse)(struct server_job *job, enum server_refusal why);
 };

@@ -84,13 +84,19 @@ static void rest(struct server_team *team)
 
 /* --- the helper --------------------------------------------------------------------------------------------------- */
 
+static bool is_wanted_elsewhere(const struct server_team *team)
+{
+    struct server_workers_load load = server_workers_load(team->workers);
+    return (team->job.is_patient ? load.queued : load.urgent) > 0;
+}
+
 /* Till the call ends or somebody else wants the worker. It rests while requests come densely, whose threads want the core. */
 static void help(struct server_job *job)
 {
     struct server_team *team = (struct server_team *)job;
     struct server_traffic traffic = {0};
     pthread_mutex_lock(&team->lock);
-    while (!team->is_over && server_workers_load(team->workers).queued == 0) {
+    while (!team->is_over && !is_wanted_elsewhere(team)) {
         if (server_traffic_is_dense(&traffic, gd_now_ns()))
             rest(team);
         else if (team->next < team->count)

@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "gd/control.h"
+#include "server/lanes.h"
 #include "server/place.h"
 #include "server/traffic.h"
 #include "server/yielding.h"
@@ -16,43 +17,44 @@
 
 struct server_workers {
     pthread_mutex_t lock;
-    pthread_cond_t work;
-    struct server_job *head, **tail; /* the queue; `tail` points to the last `next` */
-    uint32_t queued, queue_length, running, thread_count;
-    struct server_job *parked;     /* see server_workers_park */
-    struct server_job *background; /* jobs for idle times, the latest first */
-    bool is_hosting;               /* a thread runs one of them */
-    bool leaving;                  /* threads end once the queue is empty */
+    pthread_cond_t work, spare_work;
+    struct server_lanes lanes;
+    uint32_t thread_count, idle_count; /* of the threads that are not spare */
+    struct server_job *parked;         /* see server_workers_park */
+    struct server_job *background;     /* jobs for idle times, the latest first */
+    bool is_hosting;                   /* a thread runs one of them */
+    bool leaving;                      /* threads end once the queue is empty */
     atomic_bool cancelled;
     atomic_uint busy; /* threads that run a job, of the queue or of the background */
+    pthread_t *spare;
+    uint32_t spare_count;
     pthread_t threads[];
 };
 
+/* The job that this thread runs, from the queue of those workers: what it submits is of its lane and kind. NULL: none. */
+static _Thread_local const struct server_workers *own_workers;
+static _Thread_local struct server_lane *own_lane;
+static _Thread_local bool own_is_patient;
+
 /* --- the queue, under the lock ------------------------------------------------------------------------------------ */
 
-static void push_back(struct server_workers *workers, struct server_job *job)
+static struct server_lane *lane_for(struct server_workers *workers, struct server_job *job)
 {
-    job->next = NULL;
-    *workers->tail = job;
-    workers->tail = &job->next;
-    workers->queued++;
+    if (job->tenant || own_workers != workers) return server_lanes_of(&workers->lanes, job->tenant);
+    job->is_patient = own_is_patient;
+    return own_lane;
+}
+
+/* A job has come for an idle thread, if there is one, else perhaps for a spare one. */
+static void announce(struct server_workers *workers)
+{
+    pthread_cond_signal(workers->idle_count || !workers->spare_count ? &workers->work : &workers->spare_work);
 }
 
 static void push_front(struct server_workers *workers, struct server_job *job)
 {
-    job->next = workers->head;
-    workers->head = job;
-    if (!job->next) workers->tail = &job->next;
-    workers->queued++;
-}
-
-static struct server_job *pop_front(struct server_workers *workers)
-{
-    struct server_job *job = workers->head;
-    workers->head = job->next;
-    if (!workers->head) workers->tail = &workers->head;
-    workers->queued--;
-    return job;
+    server_lanes_push_front(&workers->lanes, lane_for(workers, job), job);
+    announce(workers);
 }
 
 /* Takes the job out of the list; NULL: it is not there. */
@@ -62,16 +64,6 @@ static struct server_job *take_out(struct server_job **list, const struct server
     struct server_job *found = *list;
     if (found) *list = found->next;
     return found;
-}
-
-/* Takes the expired jobs out of the queue, as a list. */
-static struct server_job *take_expired(struct server_workers *workers, uint64_t now_ns)
-{
-    struct server_job *expired = server_jobs_expire(&workers->head, now_ns);
-    workers->queued = 0;
-    workers->tail = &workers->head;
-    for (; *workers->tail; workers->tail = &(*workers->tail)->next) workers->queued++;
-    return expired;
 }
 
 /* --- threads ------------------------------------------------------------------------------------------------------ */
@@ -133,15 +125,25 @@ bool server_workers_go_on(struct server_workers *workers)
     return !server_workers_cancelled(workers);
 }
 
-/* Under the lock, which is given up meanwhile. */
-static void run_next(struct server_workers *workers)
+/* Under the lock, which is given up meanwhile: a job that was taken. Another one that waits may be a spare thread's now. */
+static void run_taken(struct server_workers *workers, struct server_job *job)
 {
-    struct server_job *job = pop_front(workers);
-    workers->running++;
+    if (server_lanes_queued(&workers->lanes)) announce(workers);
+    const struct server_workers *outer_workers = own_workers;
+    struct server_lane *outer_lane = own_lane, *lane = job->lane;
+    bool outer_is_patient = own_is_patient, is_patient = job->is_patient;
+    own_workers = workers;
+    own_lane = lane;
+    own_is_patient = is_patient;
     pthread_mutex_unlock(&workers->lock);
+    uint64_t begun_ns = gd_now_ns();
     run_job(workers, job);
+    uint64_t ns = gd_now_ns() - begun_ns;
     pthread_mutex_lock(&workers->lock);
-    workers->running--;
+    own_workers = outer_workers;
+    own_lane = outer_lane;
+    own_is_patient = outer_is_patient;
+    server_lanes_end(&workers->lanes, lane, is_patient, ns);
 }
 
 static bool may_host(const struct server_workers *workers)
@@ -161,20 +163,46 @@ static void host(struct server_workers *workers)
     workers->is_hosting = false;
 }
 
+/* Under the lock, which is given up meanwhile. */
+static void wait_for_work(struct server_workers *workers)
+{
+    workers->idle_count++;
+    pthread_cond_wait(&workers->work, &workers->lock);
+    workers->idle_count--;
+}
+
 static void *work(void *user)
 {
     struct server_workers *workers = user;
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
     for (;;) {
-        while (!workers->head && !may_host(workers) && !workers->leaving)
-            pthread_cond_wait(&workers->work, &workers->lock);
-        if (workers->head)
-            run_next(workers);
+        struct server_job *job = server_lanes_take(&workers->lanes, false);
+        if (job)
+            run_taken(workers, job);
         else if (may_host(workers))
             host(workers);
+        else if (!workers->leaving)
+            wait_for_work(workers);
         else
             break;
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return NULL;
+}
+
+/* While there is an idle thread, the job that was announced is its. */
+static void *work_as_spare(void *user)
+{
+    struct server_workers *workers = user;
+    server_place_worker();
+    pthread_mutex_lock(&workers->lock);
+    while (!workers->leaving) {
+        struct server_job *job = workers->idle_count ? NULL : server_lanes_take(&workers->lanes, true);
+        if (job)
+            run_taken(workers, job);
+        else
+            pthread_cond_wait(&workers->spare_work, &workers->lock);
     }
     pthread_mutex_unlock(&workers->lock);
     return NULL;
@@ -186,8 +214,8 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     if (!workers) return NULL;
     pthread_mutex_init(&workers->lock, NULL);
     pthread_cond_init(&workers->work, NULL);
-    workers->tail = &workers->head;
-    workers->queue_length = queue_length;
+    pthread_cond_init(&workers->spare_work, NULL);
+    server_lanes_init(&workers->lanes, count, queue_length);
     while (workers->thread_count < count) {
         if (pthread_create(&workers->threads[workers->thread_count], NULL, work, workers) != 0) {
             server_workers_destroy(workers);
@@ -198,6 +226,23 @@ struct server_workers *server_workers_create(uint32_t count, uint32_t queue_leng
     return workers;
 }
 
+bool server_workers_add_spare(struct server_workers *workers, uint32_t count)
+{
+    workers->spare = calloc(count, sizeof *workers->spare);
+    for (uint32_t i = 0; workers->spare && i < count; i++) {
+        if (pthread_create(&workers->spare[i], NULL, work_as_spare, workers) != 0) break;
+        pthread_mutex_lock(&workers->lock);
+        workers->spare_count++;
+        pthread_mutex_unlock(&workers->lock);
+    }
+    return workers->spare_count == count;
+}
+
+void server_workers_share(struct server_workers *workers)
+{
+    workers->lanes.is_shared = true;
+}
+
 void server_workers_destroy(struct server_workers *workers)
 {
     if (!workers) return;
@@ -205,8 +250,12 @@ void server_workers_destroy(struct server_workers *workers)
     pthread_mutex_lock(&workers->lock);
     workers->leaving = true;
     pthread_cond_broadcast(&workers->work);
+    pthread_cond_broadcast(&workers->spare_work);
     pthread_mutex_unlock(&workers->lock);
     for (uint32_t i = 0; i < workers->thread_count; i++) pthread_join(workers->threads[i], NULL);
+    for (uint32_t i = 0; i < workers->spare_count; i++) pthread_join(workers->spare[i], NULL);
+    free(workers->spare);
+    pthread_cond_destroy(&workers->spare_work);
     pthread_cond_destroy(&workers->work);
     pthread_mutex_destroy(&workers->lock);
     free(workers);
@@ -217,24 +266,19 @@ void server_workers_destroy(struct server_workers *workers)
 bool server_workers_submit(struct server_workers *workers, struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
-    bool cancelled = atomic_load(&workers->cancelled), full = workers->queued >= workers->queue_length;
-    if (!cancelled && !full) {
-        push_back(workers, job);
-        pthread_cond_signal(&workers->work);
-    }
+    bool cancelled = atomic_load(&workers->cancelled);
+    bool is_queued = !cancelled && server_lanes_push(&workers->lanes, lane_for(workers, job), job);
+    if (is_queued) announce(workers);
     pthread_mutex_unlock(&workers->lock);
     if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
-    return cancelled || !full;
+    return cancelled || is_queued;
 }
 
 void server_workers_resume(struct server_workers *workers, struct server_job *job)
 {
     pthread_mutex_lock(&workers->lock);
     bool cancelled = atomic_load(&workers->cancelled);
-    if (!cancelled) {
-        push_front(workers, job);
-        pthread_cond_signal(&workers->work);
-    }
+    if (!cancelled) push_front(workers, job);
     pthread_mutex_unlock(&workers->lock);
     if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
 }
@@ -276,17 +320,17 @@ void server_workers_unpark(struct server_workers *workers, const struct server_j
 {
     pthread_mutex_lock(&workers->lock);
     struct server_job *parked = take_out(&workers->parked, job);
-    if (parked) {
-        push_front(workers, parked);
-        pthread_cond_signal(&workers->work);
-    }
+    if (parked) push_front(workers, parked);
     pthread_mutex_unlock(&workers->lock);
 }
 
 void server_workers_yield(struct server_workers *workers)
 {
+    struct server_job *job;
     pthread_mutex_lock(&workers->lock);
-    while (workers->head && workers->running + 1 >= workers->thread_count) run_next(workers);
+    while (server_lanes_running(&workers->lanes) + 1 >= workers->thread_count &&
+           (job = server_lanes_take(&workers->lanes, false)))
+        run_taken(workers, job);
     pthread_mutex_unlock(&workers->lock);
 }
 
@@ -302,7 +346,7 @@ void server_workers_refuse_background(struct server_workers *workers, enum serve
 void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_job *expired = take_expired(workers, now_ns);
+    struct server_job *expired = server_lanes_expire(&workers->lanes, now_ns);
     struct server_job *parked = server_jobs_expire(&workers->parked, now_ns);
     pthread_mutex_unlock(&workers->lock);
     server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
@@ -313,7 +357,7 @@ void server_workers_cancel(struct server_workers *workers)
 {
     pthread_mutex_lock(&workers->lock);
     atomic_store(&workers->cancelled, true);
-    struct server_job *queued = take_expired(workers, UINT64_MAX);
+    struct server_job *queued = server_lanes_expire(&workers->lanes, UINT64_MAX);
     struct server_job *parked = server_jobs_expire(&workers->parked, UINT64_MAX);
     pthread_mutex_unlock(&workers->lock);
     server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
@@ -329,7 +373,12 @@ bool server_workers_cancelled(struct server_workers *workers)
 struct server_workers_load server_workers_load(struct server_workers *workers)
 {
     pthread_mutex_lock(&workers->lock);
-    struct server_workers_load load = {workers->thread_count, workers->running, workers->queued, workers->is_hosting};
+    const struct server_lanes *lanes = &workers->lanes;
+    struct server_workers_load load = {.threads = workers->thread_count,
+                                       .running = server_lanes_running(lanes),
+                                       .queued = server_lanes_queued(lanes),
+                                       .urgent = lanes->queued[SERVER_LANE_URGENT],
+                                       .background = workers->is_hosting};
     pthread_mutex_unlock(&workers->lock);
     return load;
 }

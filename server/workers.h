@@ -1,4 +1,4 @@
-/* Workers: the second lane. A bounded queue of jobs and the threads that run them.
+/* Workers: a bounded queue of jobs, shared fairly by tenants (lanes.h), and the threads that run them.
  *
  * DESIGN. Each submitted job ends in exactly one call of `run` that does not park it or of `refuse` (job.h); a parked
  * one comes back through server_workers_resume, or waits here for an unpark. One mutex guards queue and state; `run` and `refuse` are called
@@ -20,14 +20,21 @@
 
 struct server_workers;
 
-/* Starts `count` threads; at most `queue_length` jobs wait. NULL when memory or threads can't be had. */
+/* Starts `count` threads; at most `queue_length` jobs wait, and as many patient ones. NULL when memory or threads can't be had. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
+
+/* Starts spare threads: each begins a job only when all others are busy and the job's tenant is owed it (lanes.h). False: memory or
+ * threads are short. Before any job. */
+bool server_workers_add_spare(struct server_workers *workers, uint32_t count);
+
+/* Tenants share the queue: none takes more places than it leaves free. Before any job. */
+void server_workers_share(struct server_workers *workers);
 
 /* Queues a job; false when the queue is full (the job stays the caller's). After a cancel the job is refused at
  * once. */
 bool server_workers_submit(struct server_workers *workers, struct server_job *job);
 
-/* Queues a parked job again, ahead of the others and whatever the queue's length: it was admitted before. */
+/* Queues a parked job again, ahead of the others of its tenant and whatever the queue's length: it was admitted before. */
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
 /* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */
@@ -63,7 +70,8 @@ bool server_workers_cancelled(struct server_workers *workers);
 bool server_workers_go_on(struct server_workers *workers);
 
 struct server_workers_load {
-    uint32_t threads, running, queued, background; /* running: without the background job, 0 or 1, that runs */
+    uint32_t threads, running; /* running: with those on spare threads, without the background job, 0 or 1, that runs */
+    uint32_t queued, urgent, background; /* urgent: of those that wait, those that are not patient */
 };
 struct server_workers_load server_workers_load(struct server_workers *workers);
 

@@ -254,16 +254,16 @@ def try_keys(found, place):
 
 
 @contextlib.contextmanager
-def hogged(daemon, scene, count):
-    """While jobs keep the only worker, and stand in its queue."""
+def hogged(daemon, count):
+    """While requests keep the only worker, and stand in its queue."""
     daemon.put("ball", sample("icosphere", level=5))
-    jobs = []
-    for number in range(count):
-        jobs.append(scene.start_job("/v1/meshes/ball/farthest-points", {"count": 10000 - number}))
-        daemon.wait_for("workers_busy")
+    connections = [daemon.connect() for _ in range(count)]
+    for number, connection in enumerate(connections):
+        connection.request("POST", "/v1/meshes/ball/farthest-points", dumps({"count": 10000 - number}), JSON)
+        daemon.wait_for("requests_deferred", number + 1)
     yield
-    for job in jobs:
-        scene.must("DELETE", f"/v1/jobs/{job}")
+    for connection in connections:
+        connection.close()
 
 
 def store_large(place):
@@ -286,7 +286,7 @@ ASLEEP = ("--memory-budget", "140MiB", "--max-body", "64MiB", "--landmarks", "0"
 def try_overload(found, folder):
     with Daemon("--data-dir", str(folder), "--workers", "1", "--queue-length", "1", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
-        with hogged(daemon, scene, 2):
+        with hogged(daemon, 2):
             found.try_all(daemon, scene, lambda scene, operation, ask: asking(scene, operation, ask) or uploading(scene, operation, ask))
             found.try_all(daemon, scene, lambda scene, operation, ask: ask if operation.name == "delete_batch" else None)
 
@@ -303,7 +303,7 @@ def try_drain(found, folder):
     with Daemon("--data-dir", str(folder), "--workers", "1", "--drain-ms", "100", *ASLEEP) as daemon:
         scene = Scene(daemon, found.contract).pretend()
         answers = []
-        with contextlib.suppress(OSError), hogged(daemon, scene, 1):
+        with contextlib.suppress(OSError), hogged(daemon, 1):
             def ask(operation):
                 request = scene.ask(operation)
                 with contextlib.suppress(OSError):

@@ -292,6 +292,107 @@ static void a_parked_job_is_queued_again_or_refused(void **state)
     assert_int_equal(never.runs + late.runs + left.runs + after.runs + after.refusals, 0);
 }
 
+/* --- spare threads ------------------------------------------------------------------------------------------------ */
+
+static void of_tenant(struct test_job *job, const char *tenant, bool is_patient)
+{
+    job->job.tenant = tenant;
+    job->job.is_patient = is_patient;
+}
+
+/* Two workers with two spare threads, and two jobs of a tenant that run until `hold` is posted. */
+static struct server_workers *flooded_workers(struct test_job first[2], sem_t *hold, bool is_patient)
+{
+    struct server_workers *workers = server_workers_create(2, 100);
+    assert_true(server_workers_add_spare(workers, 2));
+    sem_init(hold, 0, 0);
+    for (int i = 0; i < 2; i++) {
+        test_job_init(&first[i], hold);
+        of_tenant(&first[i], "flood", is_patient);
+        assert_true(server_workers_submit(workers, &first[i].job));
+        sem_wait(&first[i].began);
+    }
+    return workers;
+}
+
+static void end_flooded(struct server_workers *workers, sem_t *hold, int count)
+{
+    for (int i = 0; i < count; i++) sem_post(hold);
+    server_workers_destroy(workers);
+}
+
+static void a_spare_thread_runs_a_job_of_another_tenant(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first[2], more, own[3];
+    struct server_workers *workers = flooded_workers(first, &hold, false);
+    test_job_init(&more, NULL);
+    of_tenant(&more, "flood", false);
+    assert_true(server_workers_submit(workers, &more.job));
+    for (int i = 0; i < 3; i++) {
+        test_job_init(&own[i], NULL);
+        of_tenant(&own[i], "other", i == 1);
+        assert_true(server_workers_submit(workers, &own[i].job));
+    }
+    for (int i = 0; i < 3; i++) sem_wait(&own[i].done);
+    assert_int_equal(more.runs, 0);
+    end_flooded(workers, &hold, 2);
+}
+
+static void a_spare_thread_runs_an_urgent_job_beside_patient_ones(void **state)
+{
+    (void)state;
+    sem_t hold;
+    struct test_job first[2], urgent[2], patient;
+    struct server_workers *workers = flooded_workers(first, &hold, true);
+    test_job_init(&patient, NULL);
+    of_tenant(&patient, "flood", true);
+    assert_true(server_workers_submit(workers, &patient.job));
+    for (int i = 0; i < 2; i++) {
+        test_job_init(&urgent[i], i ? NULL : &hold);
+        of_tenant(&urgent[i], "flood", false);
+        assert_true(server_workers_submit(workers, &urgent[i].job));
+    }
+    sem_wait(&urgent[0].began);
+    sem_wait(&urgent[1].done);
+    assert_int_equal(patient.runs, 0);
+    end_flooded(workers, &hold, 3);
+}
+
+/* A job that submits another one, as executors do: it is of the same tenant and kind. */
+struct submitting {
+    struct server_job job; /* first */
+    struct server_workers *workers;
+    struct test_job *other;
+    sem_t done;
+};
+
+static void submit_other(struct server_job *job)
+{
+    struct submitting *submitting = (struct submitting *)job;
+    assert_true(server_workers_submit(submitting->workers, &submitting->other->job));
+    sem_post(&submitting->done);
+}
+
+static void what_a_job_submits_is_of_its_tenant(void **state)
+{
+    (void)state;
+    struct test_job other;
+    struct server_workers *workers = server_workers_create(1, 10);
+    struct submitting submitting = {
+        .job = {.run = submit_other, .deadline_ns = UINT64_MAX, .tenant = "ann", .is_patient = true},
+        .workers = workers,
+        .other = &other};
+    sem_init(&submitting.done, 0, 0);
+    test_job_init(&other, NULL);
+    assert_true(server_workers_submit(workers, &submitting.job));
+    sem_wait(&other.done);
+    assert_true(other.job.is_patient);
+    sem_wait(&submitting.done);
+    server_workers_destroy(workers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -306,6 +407,9 @@ int main(void)
         cmocka_unit_test(the_background_can_be_refused),
         cmocka_unit_test(the_background_can_be_withdrawn),
         cmocka_unit_test(a_parked_job_is_queued_again_or_refused),
+        cmocka_unit_test(a_spare_thread_runs_a_job_of_another_tenant),
+        cmocka_unit_test(a_spare_thread_runs_an_urgent_job_beside_patient_ones),
+        cmocka_unit_test(what_a_job_submits_is_of_its_tenant),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
