@@ -11,7 +11,8 @@ const char *const server_batch_queue_tables[] = {
     "CREATE TABLE IF NOT EXISTS items (batch TEXT NOT NULL, item INTEGER NOT NULL, lease INTEGER NOT NULL DEFAULT 0,"
     " node TEXT NOT NULL DEFAULT '', attempts INTEGER NOT NULL DEFAULT 0, status INTEGER NOT NULL DEFAULT 0,"
     " answer BLOB, PRIMARY KEY (batch, item)) WITHOUT ROWID",
-    "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0", NULL};
+    "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0",
+    "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)", NULL};
 
 #define COUNT(values) ((int)(sizeof(values) / sizeof((values)[0])))
 
@@ -186,21 +187,32 @@ static bool on_owner(void *user, const struct server_sql_value *row)
     return false;
 }
 
-enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node,
-                                                   struct server_batch_claim *out)
+/* An item that waits, of the first of those tenants that has one, of its oldest batch; none: `*out` stays as it is. */
+static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node, const char *tenants,
+                                          const char *after, struct server_batch_claim *out)
 {
     int64_t now = now_ms();
     const struct server_sql_value values[] = {server_sql_integer(now), server_sql_integer(now + SERVER_BATCH_LEASE),
-                                              server_sql_text(node)};
-    struct server_batch_claim claim = {.id = ""};
-    char text[640];
+                                              server_sql_text(node), server_sql_text(after)};
+    char text[1024];
     snprintf(text, sizeof text,
-             "WITH next AS (SELECT i.batch, i.item FROM items i JOIN batches b ON b.id = i.batch"
-             " WHERE i.status = 0 AND i.lease < $1 AND b.cancelled = 0 ORDER BY i.batch, i.item LIMIT 1%s)"
+             "WITH oldest AS (SELECT b.id FROM batches b WHERE b.cancelled = 0 AND %s AND EXISTS"
+             " (SELECT 1 FROM items w WHERE w.batch = b.id AND w.status = 0 AND w.lease < $1)"
+             " ORDER BY b.tenant, b.id LIMIT 1),"
+             " next AS (SELECT i.batch, i.item FROM items i WHERE i.batch = (SELECT id FROM oldest)"
+             " AND i.status = 0 AND i.lease < $1 ORDER BY i.item LIMIT 1%s)"
              " UPDATE items SET lease = $2, node = $3, attempts = attempts + 1 WHERE status = 0"
              " AND (batch, item) IN (SELECT batch, item FROM next) RETURNING batch, item, attempts",
-             sql->skip_locked);
-    enum server_store_outcome outcome = sql->run(sql, text, values, COUNT(values), on_claim, &claim);
+             tenants, sql->skip_locked);
+    return sql->run(sql, text, values, COUNT(values), on_claim, out);
+}
+
+enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node, const char *after,
+                                                   struct server_batch_claim *out)
+{
+    struct server_batch_claim claim = {.id = ""};
+    enum server_store_outcome outcome = claim_of(sql, node, "b.tenant > $4", after, &claim);
+    if (!outcome && !claim.id[0]) outcome = claim_of(sql, node, "b.tenant <= $4", after, &claim);
     if (outcome) return outcome;
     if (!claim.id[0]) return SERVER_STORE_ABSENT;
     const struct server_sql_value which = server_sql_text(claim.id);

@@ -28,7 +28,8 @@ struct server_batches {
     struct server_batch_item *items; /* under the lock */
     char node[NODE];
     uint64_t renewed_ns;
-    char asked[SERVER_BATCH_ID]; /* the batch that `many` is of; of the thread, as that */
+    char last_tenant[SERVER_TENANT + 1]; /* of the item that was begun last; of the thread */
+    char asked[SERVER_BATCH_ID];         /* the batch that `many` is of; of the thread, as that */
     struct proto_many many;
     atomic_bool is_draining;
     atomic_uint running;
@@ -231,11 +232,17 @@ static bool has_time(const struct server_batches *batches)
     return !atomic_load(&batches->is_draining) && load.queued == 0 && atomic_load(&batches->running) < most;
 }
 
+static bool claim_next(struct server_batches *batches, struct server_batch_claim *claim)
+{
+    if (server_batch_queue_claim(batches->sql, batches->node, batches->last_tenant, claim)) return false;
+    memcpy(batches->last_tenant, claim->tenant, sizeof batches->last_tenant);
+    return true;
+}
+
 static void begin_some(struct server_batches *batches)
 {
     struct server_batch_claim claim;
-    while (has_time(batches) && server_batch_queue_claim(batches->sql, batches->node, &claim) == SERVER_STORE_DONE)
-        begin(batches, &claim);
+    while (has_time(batches) && claim_next(batches, &claim)) begin(batches, &claim);
 }
 
 /* --- life --------------------------------------------------------------------------------------------------------- */

@@ -56,13 +56,18 @@ static void add(struct server_store_sql *sql, const char *id, const char *tenant
         assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
 }
 
-static struct server_batch_claim claim(struct server_store_sql *sql, const char *node)
+static struct server_batch_claim claim_after(struct server_store_sql *sql, const char *node, const char *after)
 {
     struct server_batch_claim claim = {.id = ""};
-    enum server_store_outcome outcome = server_batch_queue_claim(sql, node, &claim);
+    enum server_store_outcome outcome = server_batch_queue_claim(sql, node, after, &claim);
     assert_true(outcome == SERVER_STORE_DONE || outcome == SERVER_STORE_ABSENT);
     if (outcome) claim.item = -1;
     return claim;
+}
+
+static struct server_batch_claim claim(struct server_store_sql *sql, const char *node)
+{
+    return claim_after(sql, node, "");
 }
 
 static struct server_batch find(struct server_store_sql *sql, const char *tenant, const char *id)
@@ -121,6 +126,25 @@ static void each_item_is_taken_once_the_oldest_batch_first(void **state)
     assert_int_equal(claim(sql, "y").item, 1);
     assert_string_equal(claim(sql, "x").id, ID_B);
     assert_int_equal(claim(sql, "x").item, -1);
+}
+
+static void tenants_take_turns(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    static const char *const asked[] = {"bob", "cid", "ann", "bob", "ann", "bob"};
+    struct server_batch_claim last = {.tenant = "ann"};
+    add(sql, ID_A, "ann", 100);
+    add(sql, ID_B, "bob", 3);
+    add(sql, "000000000000000000000003", "cid", 1);
+    for (size_t i = 0; i < COUNT(asked); i++) {
+        last = claim_after(sql, "x", last.tenant);
+        assert_string_equal(last.tenant, asked[i]);
+    }
+    for (int i = 0; i < 98; i++) {
+        last = claim_after(sql, "x", last.tenant);
+        assert_string_equal(last.tenant, "ann");
+    }
+    assert_int_equal(claim_after(sql, "x", last.tenant).item, -1);
 }
 
 static bool on_answer(void *user, const struct server_sql_value *row)
@@ -195,9 +219,12 @@ static void what_is_no_statement_is_refused(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        EACH(batches_are_their_tenants),      EACH(each_item_is_taken_once_the_oldest_batch_first),
-        EACH(the_first_answer_stays),         EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
-        EACH(what_is_cancelled_is_not_begun), EACH(what_is_no_statement_is_refused)};
+    const struct CMUnitTest tests[] = {EACH(batches_are_their_tenants),
+                                       EACH(each_item_is_taken_once_the_oldest_batch_first),
+                                       EACH(tenants_take_turns),
+                                       EACH(the_first_answer_stays),
+                                       EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
+                                       EACH(what_is_cancelled_is_not_begun),
+                                       EACH(what_is_no_statement_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
