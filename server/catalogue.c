@@ -9,13 +9,13 @@
 #include "proto/writer.h"
 #include "server/sha256.h"
 
+#define FIRST_CAPACITY     8
 #define VERSION_CHARACTERS 8 /* of an id that are the ETag's */
 
 struct server_catalogue {
     pthread_mutex_t lock;
-    struct server_resource *resources[SERVER_CATALOGUE_RESOURCES + 1]; /* sorted by id; one more than may stay */
-    uint32_t count;
-    size_t bytes;
+    struct server_resource **resources; /* sorted by id */
+    uint32_t count, capacity;
     uint64_t clock;
     char forgotten[SERVER_CATALOGUE_FORGOTTEN][PROTO_FIELD_ID + 1]; /* a ring; empty: none */
     uint32_t next_forgotten;
@@ -124,7 +124,6 @@ static struct server_resource *extract(struct server_catalogue *catalogue, uint3
 {
     struct server_resource *resource = catalogue->resources[at];
     catalogue->count--;
-    catalogue->bytes -= resource->bytes;
     memmove(&catalogue->resources[at], &catalogue->resources[at + 1],
             (catalogue->count - at) * sizeof(struct server_resource *));
     return resource;
@@ -136,7 +135,6 @@ static void insert(struct server_catalogue *catalogue, uint32_t at, struct serve
             (catalogue->count - at) * sizeof(struct server_resource *));
     catalogue->resources[at] = resource;
     catalogue->count++;
-    catalogue->bytes += resource->bytes;
     resource->turn = ++catalogue->clock;
 }
 
@@ -147,21 +145,52 @@ static char *find_forgotten(struct server_catalogue *catalogue, const char *id)
     return NULL;
 }
 
-/* Forgets the resource that was not used for longest. */
-static void forget_oldest(struct server_catalogue *catalogue)
+/* What a key (NULL: all) lists. */
+struct listed {
+    uint32_t count, oldest; /* oldest: the place of the resource that was not used for longest */
+    size_t bytes;
+};
+
+static struct listed weigh(const struct server_catalogue *catalogue, const char *key)
 {
-    uint32_t oldest = 0;
-    for (uint32_t i = 1; i < catalogue->count; i++)
-        if (catalogue->resources[i]->turn < catalogue->resources[oldest]->turn) oldest = i;
-    struct server_resource *resource = extract(catalogue, oldest);
+    struct listed listed = {0};
+    for (uint32_t i = 0; i < catalogue->count; i++) {
+        const struct server_resource *resource = catalogue->resources[i];
+        if (key && strcmp(resource->key, key) != 0) continue;
+        if (!listed.count++ || resource->turn < catalogue->resources[listed.oldest]->turn) listed.oldest = i;
+        listed.bytes += resource->bytes;
+    }
+    return listed;
+}
+
+static void forget(struct server_catalogue *catalogue, uint32_t at)
+{
+    struct server_resource *resource = extract(catalogue, at);
     uint32_t place = catalogue->next_forgotten++ % SERVER_CATALOGUE_FORGOTTEN;
     memcpy(catalogue->forgotten[place], resource->id, sizeof resource->id);
     server_resource_release(resource);
 }
 
-static bool is_too_long(const struct server_catalogue *catalogue)
+/* Forgets resources of the key until it has as many as it may. */
+static void bound(struct server_catalogue *catalogue, const char *key)
 {
-    return catalogue->count > SERVER_CATALOGUE_RESOURCES || catalogue->bytes > SERVER_CATALOGUE_BYTES;
+    struct listed listed;
+    while ((listed = weigh(catalogue, key)).count > SERVER_CATALOGUE_RESOURCES || listed.bytes > SERVER_CATALOGUE_BYTES)
+        forget(catalogue, listed.oldest);
+}
+
+/* Room for one more; without memory for it, that of one that was not used for longest. */
+static void grow(struct server_catalogue *catalogue)
+{
+    if (catalogue->count < catalogue->capacity) return;
+    uint32_t capacity = 2 * catalogue->capacity;
+    struct server_resource **more = realloc(catalogue->resources, capacity * sizeof(struct server_resource *));
+    if (!more) {
+        forget(catalogue, weigh(catalogue, NULL).oldest);
+        return;
+    }
+    catalogue->resources = more;
+    catalogue->capacity = capacity;
 }
 
 /* --- in and out --------------------------------------------------------------------------------------------------- */
@@ -169,8 +198,13 @@ static bool is_too_long(const struct server_catalogue *catalogue)
 struct server_catalogue *server_catalogue_create(void)
 {
     struct server_catalogue *catalogue = calloc(1, sizeof *catalogue);
-    if (catalogue) pthread_mutex_init(&catalogue->lock, NULL);
-    return catalogue;
+    if (!catalogue) return NULL;
+    catalogue->capacity = FIRST_CAPACITY;
+    catalogue->resources = malloc(FIRST_CAPACITY * sizeof(struct server_resource *));
+    pthread_mutex_init(&catalogue->lock, NULL);
+    if (catalogue->resources) return catalogue;
+    server_catalogue_destroy(catalogue);
+    return NULL;
 }
 
 void server_catalogue_destroy(struct server_catalogue *catalogue)
@@ -178,6 +212,7 @@ void server_catalogue_destroy(struct server_catalogue *catalogue)
     if (!catalogue) return;
     for (uint32_t i = 0; i < catalogue->count; i++) server_resource_release(catalogue->resources[i]);
     pthread_mutex_destroy(&catalogue->lock);
+    free(catalogue->resources);
     free(catalogue);
 }
 
@@ -198,17 +233,19 @@ enum server_catalogue_finding server_catalogue_find(struct server_catalogue *cat
     return finding;
 }
 
-bool server_catalogue_add(struct server_catalogue *catalogue, struct server_resource **resource)
+bool server_catalogue_add(struct server_catalogue *catalogue, const char *key, struct server_resource **resource)
 {
     struct server_resource *added = *resource;
+    snprintf(added->key, sizeof added->key, "%s", key);
     pthread_mutex_lock(&catalogue->lock);
+    grow(catalogue);
     uint32_t at = lower_bound(catalogue, added->id);
     bool is_new = !is_at(catalogue, at, added->id);
     if (is_new) {
         char *forgotten = find_forgotten(catalogue, added->id);
         if (forgotten) forgotten[0] = '\0';
         insert(catalogue, at, retain(added));
-        while (is_too_long(catalogue)) forget_oldest(catalogue);
+        bound(catalogue, key);
     } else {
         *resource = retain(catalogue->resources[at]);
         server_resource_release(added);

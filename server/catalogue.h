@@ -2,9 +2,9 @@
  * wedges were evicted can be built again.
  *
  * DESIGN. A catalogue belongs to a version of a mesh, that is to its record: unloading the mesh and loading it again leaves it
- * as it is, replacing or deleting the mesh ends it. It is bounded in number and bytes: the resource that was not used for
- * longest is forgotten, and its id is kept for a while, so that who asks for it can be told. Resources are counted and
- * immutable. One mutex guards the list. Thread-safe. */
+ * as it is, replacing or deleting the mesh ends it. What each key lists is bounded in number and bytes: its resource that was not used for
+ * longest is forgotten, never another key's, and its id is kept for a while, so that a client that asks for it can be told. Resources are
+ * counted and immutable. One mutex guards the list. Thread-safe. */
 #ifndef SERVER_CATALOGUE_H
 #define SERVER_CATALOGUE_H
 
@@ -12,14 +12,16 @@
 
 #include "proto/field.h"
 #include "server/budget.h"
+#include "server/credentials.h"
 
-#define SERVER_CATALOGUE_RESOURCES 1024
+#define SERVER_CATALOGUE_RESOURCES 1024 /* of a key */
 #define SERVER_CATALOGUE_BYTES     ((size_t)16 << 20)
 #define SERVER_CATALOGUE_FORGOTTEN 256
 
 struct server_resource {
     atomic_uint references;
     char id[PROTO_FIELD_ID + 1];
+    char key[SERVER_CREDENTIAL_NAME]; /* that listed it; "": the daemon has none */
     struct proto_located_set *set;
     struct proto_field_description description; /* `id` is the one above */
     struct server_budget *budget;
@@ -53,9 +55,9 @@ enum server_catalogue_finding { SERVER_CATALOGUE_FOUND, SERVER_CATALOGUE_ABSENT,
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue, const char *id,
                                                     struct server_resource **out);
 
-/* Lists a resource, which stays retained for the caller, unless one of its id is listed: then its reference goes, and `*resource`
+/* Lists a resource for a key ("": there are none), which stays retained for the caller, unless one of its id is listed: then its reference goes, and `*resource`
  * becomes the other one, retained. True if it was listed. */
-bool server_catalogue_add(struct server_catalogue *catalogue, struct server_resource **resource);
+bool server_catalogue_add(struct server_catalogue *catalogue, const char *key, struct server_resource **resource);
 
 /* Takes the resource of that id from the list, retained for the caller; NULL: there is none. */
 struct server_resource *server_catalogue_remove(struct server_catalogue *catalogue, const char *id);

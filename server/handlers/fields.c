@@ -73,7 +73,8 @@ static enum gd_status list(struct making *making, const struct proto_field_descr
     field->resource = server_resource_create(making->id, field->own_set, description, budget);
     if (!field->resource) return GD_BUDGET;
     field->own_set = NULL;
-    making->is_new = server_catalogue_add(catalogue, &field->resource);
+    const char *key = server_grant_name(&field->query.exchange->grant);
+    making->is_new = server_catalogue_add(catalogue, key ? key : "", &field->resource);
     field->set = field->resource->set;
     field->request = server_resource_request(field->resource);
     return GD_OK;

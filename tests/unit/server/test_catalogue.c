@@ -42,17 +42,22 @@ static struct proto_located_set *new_set(const char *members)
     return located;
 }
 
-/* Lists a field of that id; true if it is new. */
-static bool add(const char *id)
+/* Lists a field of that id for a key; true if it is new. */
+static bool add_for(const char *key, const char *id)
 {
     const struct proto_field_description description = {.wedges = 7, .max_distance = 0.5};
     struct server_resource *resource = server_resource_create(id, new_set("{\"vertex\":1}"), &description, &budget);
     assert_non_null(resource);
-    bool is_new = server_catalogue_add(catalogue, &resource);
+    bool is_new = server_catalogue_add(catalogue, key, &resource);
     assert_string_equal(resource->id, id);
     assert_string_equal(resource->description.id, id);
     server_resource_release(resource);
     return is_new;
+}
+
+static bool add(const char *id)
+{
+    return add_for("", id);
 }
 
 static enum server_catalogue_finding find(const char *id)
@@ -116,6 +121,23 @@ static void the_one_that_was_not_used_for_longest_is_forgotten(void **state)
     assert_int_equal(find("00000002"), SERVER_CATALOGUE_FORGOT);
     server_resource_release(server_catalogue_remove(catalogue, "00000001"));
     assert_int_equal(find("00000001"), SERVER_CATALOGUE_ABSENT); /* removed, not forgotten */
+}
+
+static void a_key_forgets_its_own_only(void **state)
+{
+    (void)state;
+    char id[PROTO_FIELD_ID + 1];
+    assert_true(add_for("ann", "first"));
+    for (int i = 0; i < SERVER_CATALOGUE_RESOURCES + 10; i++) {
+        snprintf(id, sizeof id, "%08d", i);
+        assert_true(add_for("bob", id));
+    }
+    assert_int_equal(find("first"), SERVER_CATALOGUE_FOUND);
+    assert_int_equal(find("00000009"), SERVER_CATALOGUE_FORGOT);
+    assert_int_equal(find("00000010"), SERVER_CATALOGUE_FOUND);
+    assert_false(add_for("bob", "first"));
+    assert_true(add_for("ann", "second"));
+    assert_int_equal(find("00000011"), SERVER_CATALOGUE_FOUND);
 }
 
 static void without_room_there_is_no_resource(void **state)
@@ -190,6 +212,7 @@ int main(void)
         TEST(what_is_listed_is_found_until_it_is_removed),
         TEST(lists_in_order),
         TEST(the_one_that_was_not_used_for_longest_is_forgotten),
+        TEST(a_key_forgets_its_own_only),
         TEST(without_room_there_is_no_resource),
         TEST(ids_tell_fields_apart),
         TEST(many_threads_at_once),
