@@ -97,14 +97,18 @@ static bool identify(const struct server_access_request *request, struct server_
            refuse(problem, wrong, "this key has expired; ask the operator for a new one");
 }
 
-static bool allow(const struct server_credential *key, enum proto_access needed, struct proto_problem *problem)
+static bool forbid(const struct server_credential *key, struct proto_problem *problem, const char *sentence)
 {
-    if (needed != PROTO_ACCESS_WRITE || key->role == SERVER_ROLE_WRITE) return true;
     atomic_fetch_add_explicit(&key->quota->forbidden, 1, memory_order_relaxed);
-    proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
-                      "this key may only read; ask the operator for one of the role write");
+    proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN, "%s", sentence);
     problem->challenge = CHALLENGE ", error=\"insufficient_scope\"";
     return false;
+}
+
+static bool allow(const struct server_credential *key, enum proto_access needed, struct proto_problem *problem)
+{
+    return needed != PROTO_ACCESS_WRITE || key->role == SERVER_ROLE_WRITE ||
+           forbid(key, problem, "this key may only read; ask the operator for one of the role write");
 }
 
 static bool enter(struct server_grant *grant, struct proto_problem *problem)
@@ -148,6 +152,20 @@ const char *server_grant_tenant(const struct server_grant *grant)
     return grant->key ? grant->key->tenant : "";
 }
 
+bool server_grant_may_change(const struct server_grant *grant, const char *key, struct proto_problem *problem)
+{
+    const struct server_credential *own = grant->key;
+    return !own || own->role == SERVER_ROLE_WRITE || strcmp(own->name, key) == 0 ||
+           forbid(own, problem,
+                  "another key began this, and this one may change only what it began itself; "
+                  "ask the operator for one of the role write");
+}
+
+bool server_grant_is_operator(const struct server_grant *grant)
+{
+    return !grant->key || grant->key->role == SERVER_ROLE_OPERATOR;
+}
+
 void server_grant_pass(struct server_grant *from, struct server_grant *to)
 {
     *to = *from;
@@ -176,30 +194,43 @@ static void write_refusals(const struct server_credential *key, const char *reas
                         (unsigned long long)count);
 }
 
-static void write_keys(const struct server_credentials *keys, struct proto_writer *writer)
+static void write_all_requests(const struct server_credential *key, struct proto_writer *writer)
 {
-    write_head(writer, "key_requests_total", "counter", "Requests by key, those that its limits refused included.");
-    for (uint32_t i = 0; i < server_credentials_count(keys); i++)
-        proto_append_format(writer, "geodesicd_key_requests_total{key=\"%s\"} %llu\n",
-                            server_credentials_at(keys, i)->name,
-                            (unsigned long long)atomic_load(&server_credentials_at(keys, i)->quota->requests));
-    write_head(writer, "key_requests", "gauge", "Requests and jobs under way by key.");
-    for (uint32_t i = 0; i < server_credentials_count(keys); i++)
-        proto_append_format(writer, "geodesicd_key_requests{key=\"%s\"} %u\n", server_credentials_at(keys, i)->name,
-                            atomic_load(&server_credentials_at(keys, i)->quota->entered));
-    write_head(writer, "key_refusals_total", "counter", "Requests refused by key and reason.");
+    proto_append_format(writer, "geodesicd_key_requests_total{key=\"%s\"} %llu\n", key->name,
+                        (unsigned long long)atomic_load(&key->quota->requests));
+}
+
+static void write_requests(const struct server_credential *key, struct proto_writer *writer)
+{
+    proto_append_format(writer, "geodesicd_key_requests{key=\"%s\"} %u\n", key->name,
+                        atomic_load(&key->quota->entered));
+}
+
+static void write_all_refusals(const struct server_credential *key, struct proto_writer *writer)
+{
+    write_refusals(key, "role", atomic_load(&key->quota->forbidden), writer);
+    write_refusals(key, "rate", atomic_load(&key->quota->refusals[SERVER_QUOTA_RATE]), writer);
+    write_refusals(key, "concurrent", atomic_load(&key->quota->refusals[SERVER_QUOTA_CONCURRENT]), writer);
+}
+
+static void write_each(const struct server_credentials *keys, const char *tenant, struct proto_writer *writer,
+                       void (*write)(const struct server_credential *key, struct proto_writer *writer))
+{
     for (uint32_t i = 0; i < server_credentials_count(keys); i++) {
         const struct server_credential *key = server_credentials_at(keys, i);
-        write_refusals(key, "role", atomic_load(&key->quota->forbidden), writer);
-        write_refusals(key, "rate", atomic_load(&key->quota->refusals[SERVER_QUOTA_RATE]), writer);
-        write_refusals(key, "concurrent", atomic_load(&key->quota->refusals[SERVER_QUOTA_CONCURRENT]), writer);
+        if (!tenant || strcmp(key->tenant, tenant) == 0) write(key, writer);
     }
 }
 
-void server_access_write(struct server_access *access, struct proto_writer *writer)
+void server_access_write(struct server_access *access, const char *tenant, struct proto_writer *writer)
 {
     if (!access) return;
     struct server_credentials *keys = retain_keys(access);
-    write_keys(keys, writer);
+    write_head(writer, "key_requests_total", "counter", "Requests by key, those that its limits refused included.");
+    write_each(keys, tenant, writer, write_all_requests);
+    write_head(writer, "key_requests", "gauge", "Requests and jobs under way by key.");
+    write_each(keys, tenant, writer, write_requests);
+    write_head(writer, "key_refusals_total", "counter", "Requests refused by key and reason.");
+    write_each(keys, tenant, writer, write_all_refusals);
     server_credentials_release(keys);
 }

@@ -29,9 +29,7 @@ static void keep_answer(struct server_async *job, struct server_exchange *exchan
 {
     struct server_response *response = &exchange->response;
     size_t bytes = response->owned ? response->size : 0;
-    bool has_room = server_jobs_reserve(job->jobs, bytes);
-    if (has_room) job->held = bytes;
-    if (has_room && server_kept_take(&job->kept, response)) return;
+    if (server_jobs_reserve(job, bytes) && server_kept_take(&job->kept, response)) return;
     refuse_answer(exchange, bytes);
     (void)server_kept_take(&job->kept, response); /* a refusal has no headers */
 }
@@ -115,7 +113,9 @@ struct server_async *server_async_create(struct server_jobs *jobs, struct server
     if (!job) return NULL;
     job->jobs = jobs;
     job->references = 1;
+    const char *key = server_grant_name(&exchange->grant);
     snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
+    snprintf(job->key, sizeof job->key, "%s", key ? key : "");
     job->transport = (struct server_transport){.finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
     if (asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
     if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);

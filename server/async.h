@@ -23,7 +23,8 @@ struct server_async {
     struct server_jobs *jobs;
     atomic_uint references;
     char id[SERVER_ASYNC_ID];
-    char tenant[SERVER_TENANT + 1]; /* whose it is (key.h) */
+    char tenant[SERVER_TENANT + 1];   /* whose it is (key.h) */
+    char key[SERVER_CREDENTIAL_NAME]; /* which began it; "": the daemon has none */
     char *request;
     int64_t created;
     atomic_uint progress; /* in SERVER_ASYNC_STEPS; only grows */
@@ -31,9 +32,10 @@ struct server_async {
     enum proto_job_state state;
     struct server_exchange *exchange; /* not answered yet; NULL: it is */
     uint64_t ended_ns;
+    struct server_holding *holding; /* NULL: it is not in the table */
+    size_t held;                    /* bytes of SERVER_BUDGET_JOBS that are counted for it */
     /* unchanged once the state is DONE or FAILED: */
     struct server_kept kept;
-    size_t held; /* bytes of SERVER_BUDGET_JOBS that are counted for it */
 };
 
 /* Take no lock: so they may be called under one. */

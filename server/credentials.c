@@ -61,10 +61,19 @@ static bool parse_count(const char *text, uint32_t most, uint32_t *out)
     return *out >= 1 && *out <= most;
 }
 
-static bool parse_role(const char *text, enum server_role *out)
+bool server_credentials_parse_role(const char *text, enum server_role *out)
 {
-    *out = strcmp(text, "write") == 0 ? SERVER_ROLE_WRITE : SERVER_ROLE_READ;
-    return *out == SERVER_ROLE_WRITE || strcmp(text, "read") == 0;
+    static const char *const names[] = {
+#define ROLE_NAME(NAME, name) #name,
+        SERVER_ROLES(ROLE_NAME)
+#undef ROLE_NAME
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(text, names[i]) != 0) continue;
+        *out = (enum server_role)i;
+        return true;
+    }
+    return false;
 }
 
 /* Nothing: the names of a daemon without keys. */
@@ -103,7 +112,9 @@ static bool read_setting(const struct reader *reader, char *word, struct server_
     if (!value)
         return complain(reader, "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", word);
     *value++ = '\0';
-    if (strcmp(word, "role") == 0) return parse_role(value, &key->role) || complain(reader, "a role is read or write");
+    if (strcmp(word, "role") == 0)
+        return server_credentials_parse_role(value, &key->role) ||
+               complain(reader, "a role is read, write or operator");
     if (strcmp(word, "tenant") == 0)
         return parse_tenant(value, key) || complain(reader, "a tenant has the form of a name");
     if (strcmp(word, "expires") == 0)

@@ -3,6 +3,7 @@
  *     # name  SHA-256 of the key  what it may do
  *     ci      sha256:9f86d0…      role=write expires=2027-01-31 rate=50 concurrent=8
  *     viewer  sha256:60303a…      role=read tenant=ci
+ *     watch   sha256:cd42404d…    role=operator
  *
  * Each key has names of its own for what is uploaded with it, unless tenant= says whose it shares; "tenant=" alone: those of a
  * daemon without keys.
@@ -24,7 +25,14 @@
     "gdk_" /* so that people, and programs that look for secrets, know one when they see it */
 #define SERVER_CREDENTIALS_MOST 10000
 
-enum server_role { SERVER_ROLE_READ, SERVER_ROLE_WRITE };
+/* X(NAME, name): read asks, write also changes, operator asks and sees the metrics of all tenants */
+#define SERVER_ROLES(X) X(READ, read) X(WRITE, write) X(OPERATOR, operator)
+
+enum server_role {
+#define SERVER_ROLE_ENUM(NAME, name) SERVER_ROLE_##NAME,
+    SERVER_ROLES(SERVER_ROLE_ENUM)
+#undef SERVER_ROLE_ENUM
+};
 
 struct server_credential {
     char name[SERVER_CREDENTIAL_NAME];   /* [A-Za-z0-9_-][A-Za-z0-9._-]*: as names of surfaces are */
@@ -54,6 +62,9 @@ const struct server_credential *server_credentials_find(const struct server_cred
 
 /* Parses "2027-01-31" (its first second) or "2027-01-31T12:00:00Z". */
 bool server_credentials_parse_time(const char *text, int64_t *out);
+
+/* "read", "write" or "operator". */
+bool server_credentials_parse_role(const char *text, enum server_role *out);
 
 /* The form of a name. */
 bool server_credentials_is_name(const char *text);

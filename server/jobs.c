@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "server/events.h"
+#include "server/holdings.h"
 #include "server/server.h"
 #include "server/timekeeper.h"
 
@@ -25,6 +26,8 @@ struct server_jobs {
     uint64_t last_serial, swept_ns;
     atomic_size_t held; /* bytes of answers, */
     size_t held_most;   /* and the most of them */
+    struct server_holdings holdings;
+    uint64_t active; /* jobs that have not ended */
     bool is_draining;
     uint64_t ended[PROTO_JOB_STATE_COUNT];
 };
@@ -51,6 +54,8 @@ static void end(struct server_async *job, enum proto_job_state state)
     job->state = state;
     job->ended_ns = gd_now_ns();
     job->jobs->ended[state]++;
+    job->jobs->active--;
+    job->holding->active--;
 }
 
 void server_jobs_tell(struct server_async *job)
@@ -93,19 +98,33 @@ static uint32_t place_of(const struct server_jobs *jobs, const char *id)
     return low;
 }
 
+/* The job is not in the table any more. */
+static void drop(struct server_jobs *jobs, struct server_async *job)
+{
+    struct server_holding *holding = job->holding;
+    job->holding = NULL;
+    holding->amounts[SERVER_MEASURE_BYTES] -= job->held;
+    if (--holding->amounts[SERVER_MEASURE_JOBS] == 0) server_holdings_drop(&jobs->holdings, holding);
+    server_async_release(job);
+}
+
 static void remove_at(struct server_jobs *jobs, uint32_t place)
 {
     struct server_async *job = jobs->list[place];
     jobs->count--;
     memmove(&jobs->list[place], &jobs->list[place + 1], (jobs->count - place) * sizeof *jobs->list);
-    server_async_release(job);
+    drop(jobs, job);
 }
 
-/* False: none has ended. */
-static bool drop_oldest(struct server_jobs *jobs)
+/* Drops the oldest ended job of the key that has the most, the newcomer's more included. False: that is the newcomer, and it has none. */
+static bool make_way(struct server_jobs *jobs, enum server_measure measure, struct server_holding *newcomer,
+                     uint64_t more)
 {
+    const struct server_holding *largest = server_holdings_largest(&jobs->holdings, measure, newcomer, more);
     for (uint32_t i = 0; i < jobs->count; i++) {
-        if (!proto_job_has_ended(jobs->list[i]->state)) continue;
+        const struct server_async *job = jobs->list[i];
+        if (job->holding != largest || !proto_job_has_ended(job->state)) continue;
+        if (measure == SERVER_MEASURE_BYTES && !job->held) continue;
         remove_at(jobs, i);
         return true;
     }
@@ -134,32 +153,80 @@ static void name(struct server_jobs *jobs, struct server_async *job)
     job->created = (int64_t)now.tv_sec;
 }
 
+static bool refuse_more(struct proto_problem *problem, const char *whose, uint64_t count)
+{
+    (void)proto_problem_set(problem, PROTO_PROBLEM_OVERLOADED,
+                            "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
+                            (unsigned long long)count, whose);
+    problem->retry_after = 1;
+    return false;
+}
+
+/* Is there a place for one more job of the holding, which counts it already? */
+static bool has_place(struct server_jobs *jobs, struct server_holding *holding, struct proto_problem *problem)
+{
+    uint64_t own = server_holdings_active(&jobs->holdings, holding->tenant);
+    if (jobs->server->access && own && own >= jobs->most - jobs->active) return refuse_more(problem, " of yours", own);
+    if (jobs->count < jobs->most || make_way(jobs, SERVER_MEASURE_JOBS, holding, 0)) return true;
+    return refuse_more(problem, "", jobs->active);
+}
+
+static void insert(struct server_jobs *jobs, struct server_holding *holding, struct server_async *job)
+{
+    name(jobs, job);
+    job->holding = holding;
+    holding->active++;
+    jobs->active++;
+    jobs->list[jobs->count++] = server_async_retain(job);
+}
+
 static bool add(struct server_jobs *jobs, struct server_async *job, struct proto_problem *problem)
 {
     if (jobs->is_draining) return proto_problem_from_status(problem, GD_CANCELLED, NULL);
-    if (jobs->count == jobs->most && !drop_oldest(jobs)) {
-        (void)proto_problem_set(problem, PROTO_PROBLEM_OVERLOADED,
-                                "%u jobs have not ended yet, and no more are taken; try again in a moment", jobs->most);
-        problem->retry_after = 1;
-        return false;
-    }
-    name(jobs, job);
-    jobs->list[jobs->count++] = server_async_retain(job);
-    return true;
+    struct server_holding *holding = server_holdings_of(&jobs->holdings, job->tenant, job->key);
+    if (!holding) return proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    holding->amounts[SERVER_MEASURE_JOBS]++;
+    bool has_room = has_place(jobs, holding, problem);
+    if (has_room)
+        insert(jobs, holding, job);
+    else if (--holding->amounts[SERVER_MEASURE_JOBS] == 0)
+        server_holdings_drop(&jobs->holdings, holding);
+    return has_room;
 }
 
 /* --- memory of the answers ---------------------------------------------------------------------------------------- */
 
-bool server_jobs_reserve(struct server_jobs *jobs, size_t bytes)
+/* Under the lock: counts the bytes as held by the job. A job that is not in the table any more is nobody's. */
+static void count_held(struct server_async *job, size_t bytes)
 {
-    struct server_budget *budget = &jobs->server->budget;
+    if (job->holding) job->holding->amounts[SERVER_MEASURE_BYTES] += bytes - job->held;
+    job->held = bytes;
+}
+
+static bool make_room(struct server_async *job, size_t bytes)
+{
+    struct server_jobs *jobs = job->jobs;
+    if (bytes > jobs->held_most || !job->holding) return false;
+    while (atomic_load(&jobs->held) + bytes > jobs->held_most)
+        if (!make_way(jobs, SERVER_MEASURE_BYTES, job->holding, bytes)) return false;
+    return true;
+}
+
+bool server_jobs_reserve(struct server_async *job, size_t bytes)
+{
+    struct server_jobs *jobs = job->jobs;
     pthread_mutex_lock(&jobs->lock);
-    bool fits = true;
-    while (fits && atomic_load(&jobs->held) + bytes > jobs->held_most) fits = drop_oldest(jobs);
-    if (fits) atomic_fetch_add(&jobs->held, bytes);
+    bool fits = make_room(job, bytes);
+    if (fits) {
+        atomic_fetch_add(&jobs->held, bytes);
+        count_held(job, bytes);
+    }
     pthread_mutex_unlock(&jobs->lock);
-    if (!fits || server_budget_take(budget, SERVER_BUDGET_JOBS, bytes)) return fits;
+    if (!fits || server_budget_take(&jobs->server->budget, SERVER_BUDGET_JOBS, bytes)) return fits;
     atomic_fetch_sub(&jobs->held, bytes);
+    pthread_mutex_lock(&jobs->lock);
+    count_held(job, 0);
+    pthread_mutex_unlock(&jobs->lock);
     return false;
 }
 
@@ -251,7 +318,7 @@ void server_jobs_sweep(struct server_jobs *jobs, uint64_t now_ns)
     uint32_t kept = 0, count = now_ns - jobs->swept_ns >= SWEEP_NS ? jobs->count : 0;
     for (uint32_t i = 0; i < count; i++) {
         if (is_expired(jobs, jobs->list[i], now_ns))
-            server_async_release(jobs->list[i]);
+            drop(jobs, jobs->list[i]);
         else
             jobs->list[kept++] = jobs->list[i];
     }
@@ -280,13 +347,14 @@ bool server_jobs_is_empty(struct server_jobs *jobs)
     return is_empty;
 }
 
-struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs)
+struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs, const char *tenant)
 {
     struct server_jobs_statistics statistics = {0};
     if (!jobs) return statistics;
     pthread_mutex_lock(&jobs->lock);
-    for (uint32_t i = 0; i < jobs->count; i++) statistics.now[jobs->list[i]->state]++;
-    memcpy(statistics.ended, jobs->ended, sizeof statistics.ended);
+    for (uint32_t i = 0; i < jobs->count; i++)
+        if (!tenant || strcmp(jobs->list[i]->tenant, tenant) == 0) statistics.now[jobs->list[i]->state]++;
+    if (!tenant) memcpy(statistics.ended, jobs->ended, sizeof statistics.ended);
     pthread_mutex_unlock(&jobs->lock);
     return statistics;
 }
@@ -310,7 +378,7 @@ struct server_jobs *server_jobs_create(struct server *server)
 void server_jobs_destroy(struct server_jobs *jobs)
 {
     if (!jobs) return;
-    for (uint32_t i = 0; i < jobs->count; i++) server_async_release(jobs->list[i]);
+    for (uint32_t i = 0; i < jobs->count; i++) drop(jobs, jobs->list[i]);
     pthread_mutex_destroy(&jobs->lock);
     free(jobs->list);
     free(jobs);

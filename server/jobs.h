@@ -8,9 +8,10 @@
  * DESIGN. States: queued -> running -> done | failed, and cancelled from the first two. Cancelled is what the client sees at once;
  * the exchange, which nobody wants any more, is refused where it waits (job.h) or stopped by its control, and its answer is dropped.
  *
- * Bounds: ended jobs are dropped after a time, and before it, those that were made first, when there are too many or their
- * answers have too many bytes (SERVER_BUDGET_JOBS). Jobs that have not ended are never dropped. Ids grow, so the table is in the
- * order of both id and age.
+ * Bounds: ended jobs are dropped after a time, and before it when there are too many or their answers have too many bytes
+ * (SERVER_BUDGET_JOBS): then the oldest of the key that has the most (holdings.h), so that no tenant loses its answers to another one that
+ * has more. Jobs that have not ended are never dropped; where there are keys a tenant has no more of them than it leaves places free.
+ * Ids grow, so the table is in the order of both id and age.
  *
  * One mutex guards the table and states; under it nothing calls out, but the budget gets bytes back. All functions are
  * thread-safe. */
@@ -56,7 +57,9 @@ struct server_jobs_statistics {
     uint64_t now[PROTO_JOB_STATE_COUNT];   /* jobs in the table */
     uint64_t ended[PROTO_JOB_STATE_COUNT]; /* since the start; of the last three states */
 };
-struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs); /* NULL: all zero */
+
+/* Of a tenant (NULL: of all, and only then `ended`). `jobs` NULL: all zero. */
+struct server_jobs_statistics server_jobs_statistics(struct server_jobs *jobs, const char *tenant);
 
 /* --- one job ------------------------------------------------------------------------------------------------------ */
 
@@ -74,8 +77,8 @@ enum proto_job_state server_jobs_end(struct server_async *job);
 /* Wakes those who follow its events. */
 void server_jobs_tell(struct server_async *job);
 
-/* Makes room for an answer of so many bytes, if need be by dropping jobs that have ended. */
-bool server_jobs_reserve(struct server_jobs *jobs, size_t bytes);
+/* Makes room for the job's answer of so many bytes, which it holds then, if need be by dropping jobs that have ended. */
+bool server_jobs_reserve(struct server_async *job, size_t bytes);
 void server_jobs_give(struct server_jobs *jobs, size_t bytes); /* takes no lock */
 
 #endif

@@ -19,7 +19,7 @@ struct order {
     char expires[64]; /* empty: never */
 };
 
-static const char usage[] = "usage: geodesicd keygen NAME [--role read|write] [--tenant NAME] "
+static const char usage[] = "usage: geodesicd keygen NAME [--role read|write|operator] [--tenant NAME] "
                             "[--expires 2027-01-31|90d] [--rate N] [--concurrent N]\n";
 
 static bool complain(FILE *error, const char *sentence)
@@ -51,8 +51,10 @@ static bool read_flag(const char *flag, const char *value, struct order *order, 
 {
     if (!value) return complain(error, "the last flag has no value");
     if (strcmp(flag, "--role") == 0) {
+        enum server_role role;
         order->role = value;
-        return strcmp(value, "read") == 0 || strcmp(value, "write") == 0 || complain(error, "a role is read or write");
+        return server_credentials_parse_role(value, &role) ||
+               complain(error, "a role is read, write or operator, which sees the metrics of all tenants");
     }
     if (strcmp(flag, "--tenant") == 0) {
         order->tenant = value;

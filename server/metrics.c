@@ -249,7 +249,8 @@ static void write_workers(struct server *server, struct proto_writer *writer)
 {
     struct server_workers_load load = server_workers_load(server->workers);
     write_one(writer, "workers", "gauge", "Worker threads.", load.threads);
-    write_one(writer, "workers_busy", "gauge", "Worker threads at work on requests.", load.running);
+    write_one(writer, "workers_busy", "gauge", "Worker threads at work on requests, spare ones included.",
+              load.running);
     write_one(writer, "workers_background", "gauge", "Worker threads at work on landmarks.", load.background);
     write_one(writer, "queue_depth", "gauge", "Requests that wait for a worker.", load.queued);
     write_one(writer, "requests_deferred", "gauge", "Requests that are with the workers or wait for them.",
@@ -325,13 +326,18 @@ static void write_scrub(struct server *server, struct proto_writer *writer)
               (double)scrub.ended);
 }
 
-static void write_jobs(struct server *server, struct proto_writer *writer)
+static void write_job_states(const struct server_jobs_statistics *jobs, struct proto_writer *writer)
 {
-    struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs);
     write_head(writer, "jobs", "gauge", "Jobs by state, those that have ended until they are dropped.");
     for (int i = 0; i < PROTO_JOB_STATE_COUNT; i++)
         proto_append_format(writer, "geodesicd_jobs{state=\"%s\"} %llu\n", proto_job_state_name(i),
-                            (unsigned long long)jobs.now[i]);
+                            (unsigned long long)jobs->now[i]);
+}
+
+static void write_jobs(struct server *server, struct proto_writer *writer)
+{
+    struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs, NULL);
+    write_job_states(&jobs, writer);
     write_head(writer, "jobs_ended_total", "counter", "Jobs that have ended, by how they did.");
     for (int i = 0; i < PROTO_JOB_STATE_COUNT; i++)
         if (proto_job_has_ended(i))
@@ -371,7 +377,7 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     for (size_t row = 0; row <= metrics->route_count; row++) write_histogram(metrics, row, writer);
     write_problems(metrics, writer);
     write_connections(server, writer);
-    server_access_write(server->access, writer);
+    server_access_write(server->access, NULL, writer);
     write_workers(server, writer);
     write_cache(server, writer);
     write_searches(metrics, server, writer);
@@ -381,4 +387,11 @@ void server_metrics_write(const struct server_metrics *metrics, struct server *s
     write_jobs(server, writer);
     write_memory(server, writer);
     write_process(metrics, writer);
+}
+
+void server_metrics_write_tenant(struct server *server, const char *tenant, struct proto_writer *writer)
+{
+    struct server_jobs_statistics jobs = server_jobs_statistics(server->jobs, tenant);
+    server_access_write(server->access, tenant, writer);
+    write_job_states(&jobs, writer);
 }

@@ -38,4 +38,7 @@ void server_metrics_count_search(struct server_metrics *metrics);
 /* Appends the whole text (version 0.0.4), the gauges of the server's parts included. */
 void server_metrics_write(const struct server_metrics *metrics, struct server *server, struct proto_writer *writer);
 
+/* The same of what is a tenant's own: its keys and jobs. */
+void server_metrics_write_tenant(struct server *server, const char *tenant, struct proto_writer *writer);
+
 #endif

@@ -164,10 +164,15 @@ void server_handle_delete_job(struct server_exchange *exchange)
 {
     if (!server_request_is_plain(exchange)) return;
     struct server_async *job = find_job(exchange);
+    struct proto_problem problem;
     if (!job) return;
-    server_jobs_cancel(exchange->server->jobs, job);
+    bool may = server_grant_may_change(&exchange->grant, job->key, &problem);
+    if (may) server_jobs_cancel(exchange->server->jobs, job);
     server_async_release(job);
-    server_reply_empty(exchange, 204);
+    if (may)
+        server_reply_empty(exchange, 204);
+    else
+        server_reply_problem(exchange, &problem);
 }
 
 /* --- watched ------------------------------------------------------------------------------------------------------ */

@@ -57,12 +57,17 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
+/* Numbers of all tenants are for the operator, wherever the request comes from: behind a proxy every client is of this machine. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
+    struct server *server = exchange->server;
     struct proto_writer writer;
     if (!server_request_is_plain(exchange)) return;
     proto_writer_init(&writer, SERVER_REPLY_MOST);
-    server_metrics_write(exchange->server->metrics, exchange->server, &writer);
+    if (server_grant_is_operator(&exchange->grant))
+        server_metrics_write(server->metrics, server, &writer);
+    else
+        server_metrics_write_tenant(server, exchange->tenant, &writer);
     server_reply_text(exchange, 200, "text/plain; version=0.0.4; charset=utf-8", &writer);
 }
 

@@ -61,7 +61,7 @@ class Keyed(TestCase):
 
 
 class Roles(Keyed):
-    keys = line("reader") + line("writer", "role=write") + line("old", "role=write expires=2001-01-01")
+    keys = line("reader") + line("writer", "role=write") + line("old", "role=write expires=2001-01-01") + line("watch", "role=operator")
 
     def test_what_needs_no_key(self):
         for path in ("/livez", "/readyz", "/", "/openapi.json", "/app.js", "/style.css"):
@@ -148,7 +148,7 @@ class Roles(Keyed):
 
     def test_metrics(self):
         self.ask("DELETE", "/v1/meshes/square", "reader")
-        text = self.ask("GET", "/metrics", "reader").body.decode()
+        text = self.ask("GET", "/metrics", "watch").body.decode()
         for entry in ('geodesicd_key_requests_total{key="reader"}', 'geodesicd_key_refusals_total{key="reader",reason="role"}',
                       'geodesicd_problems_total{code="forbidden"}', "geodesicd_connections "):
             values = [float(row.rsplit(" ", 1)[1]) for row in text.splitlines() if row.startswith(entry)]

@@ -30,7 +30,7 @@ class Documents(Folder):
     def setUp(self):
         super().setUp()
         keys = pathlib.Path(self.place.name) / "keys"
-        made = subprocess.run([PROGRAM, "keygen", "a"], check=True, capture_output=True, text=True).stdout
+        made = subprocess.run([PROGRAM, "keygen", "a", "--role", "operator"], check=True, capture_output=True, text=True).stdout
         key, line = made.splitlines()
         keys.write_text(line + "\n")
         with self.start("--scrub-s", "1", "--keys", str(keys)) as daemon:

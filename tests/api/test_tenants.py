@@ -1,12 +1,16 @@
 """Names of each tenant's own: what one has, another can't tell from what nobody has."""
+import json
 import pathlib
+import re
 import subprocess
 import unittest
 
-from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder
+from harness import PATIENCE_SECONDS, PROGRAM, SQUARE, TETRAHEDRON, Daemon, Folder, sample, wait_until
 from test_access import bearer, digest, key_of, keygen
 
-KEYS = ("ann role=write", "bob role=write", "viewer role=read tenant=ann", "second role=write tenant=ann", "plain role=write tenant=")
+KEYS = ("ann role=write", "bob role=write", "viewer role=read tenant=ann", "second role=write tenant=ann", "plain role=write tenant=",
+        "watch role=operator", "watch-ann role=operator tenant=ann")
+ANNS = {"ann", "viewer", "second", "watch-ann"}  # keys of one tenant
 PAIR = '{"from": {"vertex": 0}, "to": {"vertex": 2}}'
 
 
@@ -88,6 +92,81 @@ class Tenants(Folder):
             self.assertIn(b"done", events.body)
             self.assertEqual((self.names("ann"), self.names("bob")), (["it"], ["later"]))
 
+    def metrics(self, who, **headers):
+        return self.ask("GET", "/metrics", who, **headers).body.decode()
+
+    def test_metrics_of_all_are_the_operators(self):
+        """A proxy makes every client local, and says where it is: neither counts."""
+        with self.start():
+            self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
+            job = self.ask("POST", "/v1/meshes/it/distance", "ann", PAIR, Prefer="respond-async").headers["Location"]
+            wait_until(lambda: self.ask("GET", job, "ann").json["state"] == "done")
+            for who, own in (("ann", ANNS), ("viewer", ANNS), ("bob", {"bob"}), ("plain", {"plain"})):
+                for headers in ({}, {"X-Forwarded-For": "127.0.0.1"}, {"Forwarded": "for=127.0.0.1"}):
+                    text = self.metrics(who, **headers)
+                    self.assertEqual(set(re.findall(r'key="([^"]+)"', text)), own, who)
+                    self.assertEqual(set(re.findall(r"^geodesicd_(\w+)", text, re.M)), {"key_requests_total", "key_requests", "key_refusals_total", "jobs"})
+                    self.assertIn(f'geodesicd_jobs{{state="done"}} {int(own == ANNS)}\n', text)
+            for who in ("watch", "watch-ann"):
+                text = self.metrics(who)
+                self.assertEqual(set(re.findall(r'key="([^"]+)"', text)), {entry.split()[0] for entry in KEYS})
+                for name in ("memory_bytes", "requests_total", "uptime_seconds", "log_lines_dropped_total"):
+                    self.assertIn(f"\ngeodesicd_{name}", text)
+                self.assertEqual(self.ask("PUT", "/v1/meshes/it", who, SQUARE).status, 403)
+
+    def test_an_operator_sees_no_meshes_of_others(self):
+        with self.start():
+            self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
+            self.assertEqual(self.names("watch"), [])
+            self.assert_same_as_nothing("GET", "/v1/meshes/it", "watch")
+
+    def job(self, who):
+        """A job with an answer of some 100 kB; where it is, once it is done."""
+        body = json.dumps({"from": {"vertex": 0}, "to": "all"})
+        answer = self.ask("POST", "/v1/meshes/grid/log", who, body, Prefer="respond-async")
+        self.assertEqual(answer.status, 202, answer)
+        wait_until(lambda: self.ask("GET", answer.headers["Location"], who).json["state"] in ("done", "failed"))
+        return answer.headers["Location"]
+
+    def test_results_of_one_do_not_evict_those_of_another(self):
+        """An eighth of the budget is for them: whoever has most of it makes way."""
+        with self.start("--memory-budget", "32MiB", "--max-body", "4MiB"):
+            for who in ("ann", "bob"):
+                self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=30, rows=30)).status, 201)
+            own = [self.job("bob") for _ in range(3)]
+            others = [self.job("ann") for _ in range(60)]
+            self.assertEqual([self.ask("GET", job + "/result", "bob").status for job in own], [200] * 3)
+            kept = [self.ask("GET", job, "ann").status for job in others]
+            self.assertEqual(kept, sorted(kept, reverse=True), "the oldest go first")
+            self.assertEqual((kept[0], kept[-1]), (404, 200))
+
+    def test_jobs_of_one_do_not_evict_those_of_another(self):
+        with self.start("--max-jobs", "20"):
+            for who in ("ann", "bob"):
+                self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("grid", columns=3, rows=3)).status, 201)
+            own = [self.job("bob") for _ in range(5)]
+            others = [self.job("ann" if number % 2 else "second") for number in range(60)]
+            self.assertEqual([self.ask("GET", job, "bob").status for job in own], [200] * 5)
+            self.assertEqual(sum(self.ask("GET", job, "ann").status == 200 for job in others), 15)
+
+    def test_a_full_queue_of_one_leaves_places_for_another(self):
+        """250 jobs of one tenant that wait: another's question is answered at once, and its job is taken."""
+        with self.start("--workers", "1", "--landmarks", "0", "--queue-length", "64", "--timeout-ms", "120000"):
+            for who in ("ann", "bob"):
+                self.assertEqual(self.ask("PUT", "/v1/meshes/grid", who, sample("terrain", cells=120, amplitude=1)).status, 201)
+            sources = json.dumps({"sources": [{"vertex": 11 * i} for i in range(1000)], "targets": [{"vertex": 4877 * i} for i in range(4)]})
+            flood = [self.ask("POST", "/v1/meshes/grid/matrix", "ann", sources, Prefer="respond-async") for _ in range(250)]
+            self.assertEqual({answer.status for answer in flood}, {202, 503})
+            for vertex in range(3):
+                body = json.dumps({"set": {"points": [{"vertex": 17 + vertex}]}})
+                answer = self.ask("POST", "/v1/meshes/grid/fields?timeout_ms=30000", "bob", body)
+                self.assertEqual(answer.status, 201, answer)
+            self.assertEqual(self.ask("POST", "/v1/meshes/grid/matrix", "bob", sources, Prefer="respond-async").status, 202)
+            jobs = [answer.headers["Location"] for answer in flood if answer.status == 202]
+            self.assertIn("queued", [self.ask("GET", job, "ann").json["state"] for job in jobs])
+            for job in jobs:
+                self.ask("DELETE", job, "ann")
+
     def test_a_restart_mixes_nothing(self):
         with self.start():
             self.ask("PUT", "/v1/meshes/it", "ann", SQUARE)
@@ -105,6 +184,8 @@ class Tenants(Folder):
     def test_keygen_names_the_tenant(self):
         self.assertIn(" tenant=ann", keygen("viewer", "--tenant", "ann").stdout.splitlines()[1])
         self.assertEqual(keygen("viewer", "--tenant", "no such").returncode, 2)
+        self.assertIn(" role=operator", keygen("watch", "--role", "operator").stdout.splitlines()[1])
+        self.assertEqual(keygen("watch", "--role", "root").returncode, 2)
         self.keys.write_text("viewer sha256:" + digest("x") + " tenant=../up\n")
         refused = subprocess.run([PROGRAM, "--store", "memory", "--listen", "127.0.0.1:0", "--keys", self.keys], text=True,
                                  capture_output=True, timeout=PATIENCE_SECONDS)

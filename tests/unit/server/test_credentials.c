@@ -98,7 +98,7 @@ static void names_the_line_that_is_wrong(void **state)
                  {"a/b " NO_SUM "\n", "a name has"},
                  {".a " NO_SUM "\n", "a name has"},
                  {"a@b " NO_SUM "\n", "a name has"},
-                 {"a " NO_SUM " role=admin\n", "read or write"},
+                 {"a " NO_SUM " role=admin\n", "read, write or operator"},
                  {"a " NO_SUM " expires=tomorrow\n", "is no time"},
                  {"a " NO_SUM " expires=2027-02-31\n", "is no time"},
                  {"a " NO_SUM " expires=1960-01-01\n", "is no time"},

@@ -286,7 +286,7 @@ static void states_follow_the_workers(void **state)
     wait_for(second, PROTO_JOB_RUNNING);
     sem_post(&hold);
     wait_for(second, PROTO_JOB_DONE);
-    struct server_jobs_statistics statistics = server_jobs_statistics(server.jobs);
+    struct server_jobs_statistics statistics = server_jobs_statistics(server.jobs, NULL);
     assert_int_equal(statistics.now[PROTO_JOB_DONE], 2);
     assert_int_equal(statistics.ended[PROTO_JOB_DONE], 2);
     server_async_release(first);
@@ -396,6 +396,68 @@ static void a_full_table_refuses(void **state)
     server_async_release(second);
 }
 
+static struct server_async *start_for(const char *who)
+{
+    tenant = who;
+    struct server_async *job = start(answer);
+    tenant = "";
+    return job;
+}
+
+static bool is_there_for(const char *who, struct server_async *job)
+{
+    tenant = who;
+    bool found = is_there(server_jobs_look(job).id);
+    tenant = "";
+    return found;
+}
+
+/* Of four places: the tenant with the most makes way, whether it is the newcomer or not. */
+static void the_tenant_with_the_most_makes_way(void **state)
+{
+    (void)state;
+    struct server_async *bob = start_for("bob"), *ann[6];
+    for (int i = 0; i < 6; i++) ann[i] = start_for("ann");
+    assert_true(is_there_for("bob", bob));
+    for (int i = 0; i < 6; i++) assert_int_equal(is_there_for("ann", ann[i]), i >= 3);
+    struct server_async *more = start_for("bob");
+    assert_true(is_there_for("bob", bob) && is_there_for("bob", more) && !is_there_for("ann", ann[3]));
+    for (int i = 0; i < 6; i++) server_async_release(ann[i]);
+    server_async_release(bob);
+    server_async_release(more);
+}
+
+/* Of 1 MiB for answers: a job with an answer of so many bytes, whose id is written; false: it failed. */
+static bool keep(const char *who, size_t bytes, char id[SERVER_ASYNC_ID])
+{
+    answer_size = bytes;
+    struct server_async *job = start_for(who);
+    bool is_kept = state_of(job) == PROTO_JOB_DONE;
+    strcpy(id, server_jobs_look(job).id);
+    server_async_release(job);
+    return is_kept;
+}
+
+static bool is_kept_for(const char *who, const char *id)
+{
+    tenant = who;
+    bool found = is_there(id);
+    tenant = "";
+    return found;
+}
+
+static void large_answers_make_way_for_their_own_tenant(void **state)
+{
+    (void)state;
+    char bob[SERVER_ASYNC_ID], ann[3][SERVER_ASYNC_ID], refused[SERVER_ASYNC_ID];
+    assert_true(keep("bob", 100 << 10, bob));
+    for (int i = 0; i < 3; i++) assert_true(keep("ann", 400 << 10, ann[i]));
+    assert_true(is_kept_for("bob", bob) && !is_kept_for("ann", ann[0]));
+    assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
+    assert_false(keep("bob", 1000 << 10, refused)); /* with it bob has the most */
+    assert_true(is_kept_for("ann", ann[1]) && is_kept_for("ann", ann[2]));
+}
+
 static void answers_have_a_share_of_the_budget(void **state)
 {
     (void)state;
@@ -492,6 +554,8 @@ int main(void)
         TEST(the_oldest_make_way),
         cmocka_unit_test_setup_teardown(a_full_table_refuses, set_up_small, tear_down),
         TEST(answers_have_a_share_of_the_budget),
+        TEST(the_tenant_with_the_most_makes_way),
+        TEST(large_answers_make_way_for_their_own_tenant),
         TEST(are_listed_by_age),
         TEST(are_known_to_their_tenant_only),
         TEST(odd_ids_are_not_found),
