@@ -21,11 +21,12 @@
 #define TEXT_LIMIT   512
 
 #define SECOND_NS     1000000000
-#define GATHER_NS     10000000  /* a line waits so long for others */
-#define GATHERED_MOST (1 << 20) /* bytes of lines that wait; as many are being written */
-#define NOTE_SIZE     256       /* of the line that tells of dropped ones */
-#define DIRECT_MS     100       /* without the writer's thread: how long a line waits for room */
-#define LAST_LINES_S  1         /* at the stop: how long the writer may take for what is left */
+#define GATHER_NS     10000000   /* a line waits so long for others */
+#define GATHERED_MOST (1 << 20)  /* bytes of lines that wait; as many are being written */
+#define ENOUGH        (32 << 10) /* bytes that are written at once: they are in a processor's cache */
+#define NOTE_SIZE     256        /* of the line that tells of dropped ones */
+#define DIRECT_MS     100        /* without the writer's thread: how long a line waits for room */
+#define LAST_LINES_S  1          /* at the stop: how long the writer may take for what is left */
 #define CRASH_MS      200
 
 const char *const server_log_level_names[SERVER_LOG_LEVEL_COUNT] = {
@@ -199,9 +200,9 @@ static struct {
     pthread_mutex_t lock;
     pthread_cond_t change;
     pthread_t writer;
-    bool has_writer, is_stopping;
-    bool is_urgent; /* a line is to be written at once */
-    bool is_full;   /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
+    bool has_writer, is_stopping, has_ended; /* has_ended: the writer has nothing left to do */
+    bool is_urgent;                          /* the text is to be written at once */
+    bool is_full; /* the text takes no more lines: those that follow are dropped, so that one note tells of all */
     struct text *gathering, *other;
     atomic_bool is_behind; /* a line is not written yet */
     atomic_uint_least64_t dropped;
@@ -294,7 +295,7 @@ static struct text *swap_texts(void)
     return full;
 }
 
-/* Under the lock, which is given up meanwhile: until a line is to be written at once, the text is half full, or lines have had
+/* Under the lock, which is given up meanwhile: until the text is to be written at once, or its lines have had
  * GATHER_NS to gather. */
 static void wait_for_lines(void)
 {
@@ -321,11 +322,13 @@ static void *write_lines(void *user)
         pthread_mutex_lock(&output.lock);
         atomic_store(&output.is_behind, output.gathering->size > 0);
     }
+    output.has_ended = true;
+    pthread_cond_signal(&output.change);
     pthread_mutex_unlock(&output.lock);
     return NULL;
 }
 
-/* Under the lock: the first line of a text, an urgent one and the one that makes it half full wake the writer. */
+/* Under the lock: the first line of a text, an urgent one, and the one by which it has ENOUGH bytes, wake the writer. */
 static void gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
@@ -335,9 +338,9 @@ static void gather(const struct server_log_line *line, bool is_urgent)
         atomic_fetch_add_explicit(&output.dropped, 1, memory_order_relaxed);
         return;
     }
-    bool is_half = before < GATHERED_MOST / 2 && text->size >= GATHERED_MOST / 2;
-    bool wakes = !before || ((is_urgent || is_half) && !output.is_urgent);
-    output.is_urgent = output.is_urgent || is_urgent || is_half;
+    bool is_due = is_urgent || text->size >= ENOUGH;
+    bool wakes = !before || (is_due && !output.is_urgent);
+    output.is_urgent = output.is_urgent || is_due;
     atomic_store_explicit(&output.is_behind, true, memory_order_relaxed);
     if (wakes) pthread_cond_signal(&output.change);
 }
@@ -373,32 +376,43 @@ bool server_log_start(void)
     pthread_cond_init(&output.change, &attributes);
     pthread_condattr_destroy(&attributes);
     pthread_mutex_lock(&output.lock);
-    output.is_stopping = false;
+    output.is_stopping = output.has_ended = false;
     output.has_writer = pthread_create(&output.writer, NULL, write_lines, NULL) == 0;
     pthread_mutex_unlock(&output.lock);
     return output.has_writer;
 }
 
-/* A thread that still waits for the reader of standard error is left behind. */
-void server_log_stop(void)
+/* Under the lock, which is given up meanwhile: false, LAST_LINES_S have passed. */
+static bool wait_for_writer(void)
 {
     struct timespec until;
-    pthread_mutex_lock(&output.lock);
-    bool had_writer = output.has_writer;
-    output.is_stopping = true;
-    if (had_writer) pthread_cond_signal(&output.change);
-    pthread_mutex_unlock(&output.lock);
-    if (!had_writer) return;
     clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_sec += LAST_LINES_S;
-    if (pthread_clockjoin_np(output.writer, NULL, CLOCK_MONOTONIC, &until) != 0) {
-        pthread_detach(output.writer);
-        return;
-    }
+    while (!output.has_ended && pthread_cond_timedwait(&output.change, &output.lock, &until) != ETIMEDOUT) continue;
+    return output.has_ended;
+}
+
+/* Under the lock, which is given up meanwhile: ends the writer; false: it still waits for the reader of standard error. */
+static bool end_writer(void)
+{
+    output.is_stopping = true;
+    pthread_cond_signal(&output.change);
+    bool has_ended = wait_for_writer();
+    output.has_writer = !has_ended;
+    if (has_ended && output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS); /* that came meanwhile */
+    return has_ended;
+}
+
+/* A thread that still waits is left behind. */
+void server_log_stop(void)
+{
     pthread_mutex_lock(&output.lock);
-    output.has_writer = false;
-    if (output.gathering->size) write_text(swap_texts(), PIPE_BUF, DIRECT_MS); /* lines that came while it ended */
+    bool had_writer = output.has_writer, has_ended = had_writer && end_writer();
     pthread_mutex_unlock(&output.lock);
+    if (has_ended)
+        pthread_join(output.writer, NULL);
+    else if (had_writer)
+        pthread_detach(output.writer);
 }
 
 /* --- crashes ------------------------------------------------------------------------------------------------------ */
