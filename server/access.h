@@ -45,8 +45,8 @@ const char *server_grant_name(const struct server_grant *grant);
 /* Whose names the request is about (key.h), as long as the grant is held; "": nobody's. */
 const char *server_grant_tenant(const struct server_grant *grant);
 
-/* May the grant change what that key of its tenant has made? A key of the role write may change whatever its tenant has, another one
- * what it has made itself. False with forbidden. */
+/* May the grant change what that key of its tenant has made? A key of the role write may change
+ * whatever its tenant has, another one what it has made itself. False with forbidden. */
 bool server_grant_may_change(const struct server_grant *grant, const char *key, struct proto_problem *problem);
 
 /* May it see what is of all tenants? Without keys everybody may. */
@@ -56,7 +56,8 @@ bool server_grant_is_operator(const struct server_grant *grant);
 void server_grant_pass(struct server_grant *from, struct server_grant *to);
 void server_grant_end(struct server_grant *grant);
 
-/* Requests and refusals by key, for Prometheus: of the keys of a tenant (NULL: of all). `access` NULL is harmless. */
+/* Requests and refusals by key, for Prometheus: of the keys of a tenant (NULL: of all). `access`
+ * NULL is harmless. */
 void server_access_write(struct server_access *access, const char *tenant, struct proto_writer *writer);
 
 #endif

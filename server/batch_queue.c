@@ -187,7 +187,8 @@ static bool on_owner(void *user, const struct server_sql_value *row)
     return false;
 }
 
-/* An item that waits, of the first of those tenants that has one, of its oldest batch; none: `*out` stays as it is. */
+/* An item that waits, of the first of those tenants that has one, of its oldest batch; none:
+ * `*out` stays as it is. */
 static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node, const char *tenants,
                                           const char *after, struct server_batch_claim *out)
 {

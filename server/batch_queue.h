@@ -73,8 +73,9 @@ struct server_batch_claim {
     int64_t item, attempts;
 };
 
-/* Takes the next item. Tenants take turns: it is of the first tenant behind `after` (the one that the item before was of) that has an item to be
- * done, and of its oldest batch. ABSENT: there is none for now. */
+/* Takes the next item. Tenants take turns: it is of the first tenant behind `after` (the one
+ * that the item before was of) that has an item to be done, and of its oldest batch. ABSENT:
+ * there is none for now. */
 enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node, const char *after,
                                                    struct server_batch_claim *out);
 

@@ -1,10 +1,11 @@
-/* Catalogue: the fields of a mesh that clients know by an id, each with the request that it is the field of: so that one whose
- * wedges were evicted can be built again.
+/* Catalogue: the fields of a mesh that clients know by an id, each with the request that it is the
+ * field of: so that one whose wedges were evicted can be built again.
  *
- * DESIGN. A catalogue belongs to a version of a mesh, that is to its record: unloading the mesh and loading it again leaves it
- * as it is, replacing or deleting the mesh ends it. What each key lists is bounded in number and bytes: its resource that was not used for
- * longest is forgotten, never another key's, and its id is kept for a while, so that a client that asks for it can be told. Resources are
- * counted and immutable. One mutex guards the list. Thread-safe. */
+ * DESIGN. A catalogue belongs to a version of a mesh, that is to its record: unloading the mesh
+ * and loading it again leaves it as it is, replacing or deleting the mesh ends it. What each key
+ * lists is bounded in number and bytes: its resource that was not used for longest is forgotten,
+ * never another key's, and its id is kept for a while, so that a client that asks for it can be
+ * told. Resources are counted and immutable. One mutex guards the list. Thread-safe. */
 #ifndef SERVER_CATALOGUE_H
 #define SERVER_CATALOGUE_H
 
@@ -55,8 +56,9 @@ enum server_catalogue_finding { SERVER_CATALOGUE_FOUND, SERVER_CATALOGUE_ABSENT,
 enum server_catalogue_finding server_catalogue_find(struct server_catalogue *catalogue, const char *id,
                                                     struct server_resource **out);
 
-/* Lists a resource for a key ("": there are none), which stays retained for the caller, unless one of its id is listed: then its reference goes, and `*resource`
- * becomes the other one, retained. True if it was listed. */
+/* Lists a resource for a key ("": there are none), which stays retained for the caller, unless
+ * one of its id is listed: then its reference goes, and `*resource` becomes the other one,
+ * retained. True if it was listed. */
 bool server_catalogue_add(struct server_catalogue *catalogue, const char *key, struct server_resource **resource);
 
 /* Takes the resource of that id from the list, retained for the caller; NULL: there is none. */

@@ -25,7 +25,8 @@
     "gdk_" /* so that people, and programs that look for secrets, know one when they see it */
 #define SERVER_CREDENTIALS_MOST 10000
 
-/* X(NAME, name): read asks, write also changes, operator asks and sees the metrics of all tenants */
+/* X(NAME, name): read asks, write also changes, operator asks and sees the metrics of all
+ * tenants */
 #define SERVER_ROLES(X) X(READ, read) X(WRITE, write) X(OPERATOR, operator)
 
 enum server_role {

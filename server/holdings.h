@@ -1,7 +1,8 @@
-/* Holdings: how much of the table of jobs each key has, so that the room for it is shared: whoever has the most makes way.
+/* Holdings: how much of the table of jobs each key has, so that the room for it is shared: whoever
+ * has the most makes way.
  *
- * Shares are of tenants first, then of the keys of a tenant: so a tenant gains nothing by many keys. Not thread-safe: the lock of the
- * jobs guards them. */
+ * Shares are of tenants first, then of the keys of a tenant: so a tenant gains nothing by many
+ * keys. Not thread-safe: the lock of the jobs guards them. */
 #ifndef SERVER_HOLDINGS_H
 #define SERVER_HOLDINGS_H
 
@@ -29,8 +30,9 @@ struct server_holding *server_holdings_of(struct server_holdings *holdings, cons
 /* Frees a holding of no jobs. */
 void server_holdings_drop(struct server_holdings *holdings, struct server_holding *holding);
 
-/* Whose ended jobs make way for so much more of `newcomer`: the key with the most of the tenant with the most, of those that have
- * something to give. The newcomer itself, if it has the most, even if it has nothing to give. */
+/* Whose ended jobs make way for so much more of `newcomer`: the key with the most of the tenant
+ * with the most, of those that have something to give. The newcomer itself, if it has the most,
+ * even if it has nothing to give. */
 struct server_holding *server_holdings_largest(const struct server_holdings *holdings, enum server_measure measure,
                                                struct server_holding *newcomer, uint64_t more);
 

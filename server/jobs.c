@@ -116,7 +116,8 @@ static void remove_at(struct server_jobs *jobs, uint32_t place)
     drop(jobs, job);
 }
 
-/* Drops the oldest ended job of the key that has the most, the newcomer's more included. False: that is the newcomer, and it has none. */
+/* Drops the oldest ended job of the key that has the most, the newcomer's more included. False:
+ * that is the newcomer, and it has none. */
 static bool make_way(struct server_jobs *jobs, enum server_measure measure, struct server_holding *newcomer,
                      uint64_t more)
 {
@@ -196,7 +197,8 @@ static bool add(struct server_jobs *jobs, struct server_async *job, struct proto
 
 /* --- memory of the answers ---------------------------------------------------------------------------------------- */
 
-/* Under the lock: counts the bytes as held by the job. A job that is not in the table any more is nobody's. */
+/* Under the lock: counts the bytes as held by the job. A job that is not in the table any more
+ * is nobody's. */
 static void count_held(struct server_async *job, size_t bytes)
 {
     if (job->holding) job->holding->amounts[SERVER_MEASURE_BYTES] += bytes - job->held;

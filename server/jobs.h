@@ -1,20 +1,22 @@
-/* Jobs: the table of operations that were accepted to be answered later (202); async.h is one of them. What workers run is
- * smaller: job.h.
+/* Jobs: the table of operations that were accepted to be answered later (202); async.h is one of
+ * them. What workers run is smaller: job.h.
  *
  *     job = server_jobs_start(jobs, exchange, &problem);     the request of the exchange becomes a job
  *     ... server_jobs_look(job);                             how it is getting on
  *     server_async_release(job);
  *
- * DESIGN. States: queued -> running -> done | failed, and cancelled from the first two. Cancelled is what the client sees at once;
- * the exchange, which nobody wants any more, is refused where it waits (job.h) or stopped by its control, and its answer is dropped.
+ * DESIGN. States: queued -> running -> done | failed, and cancelled from the first two. Cancelled
+ * is what the client sees at once; the exchange, which nobody wants any more, is refused where it
+ * waits (job.h) or stopped by its control, and its answer is dropped.
  *
- * Bounds: ended jobs are dropped after a time, and before it when there are too many or their answers have too many bytes
- * (SERVER_BUDGET_JOBS): then the oldest of the key that has the most (holdings.h), so that no tenant loses its answers to another one that
- * has more. Jobs that have not ended are never dropped; where there are keys a tenant has no more of them than it leaves places free.
- * Ids grow, so the table is in the order of both id and age.
+ * Bounds: ended jobs are dropped after a time, and before it when there are too many or their
+ * answers have too many bytes (SERVER_BUDGET_JOBS): then the oldest of the key that has the most
+ * (holdings.h), so that no tenant loses its answers to another one that has more. Jobs that have
+ * not ended are never dropped; where there are keys a tenant has no more of them than it leaves
+ * places free. Ids grow, so the table is in the order of both id and age.
  *
- * One mutex guards the table and states; under it nothing calls out, but the budget gets bytes back. All functions are
- * thread-safe. */
+ * One mutex guards the table and states; under it nothing calls out, but the budget gets bytes
+ * back. All functions are thread-safe. */
 #ifndef SERVER_JOBS_H
 #define SERVER_JOBS_H
 
@@ -77,7 +79,8 @@ enum proto_job_state server_jobs_end(struct server_async *job);
 /* Wakes those who follow its events. */
 void server_jobs_tell(struct server_async *job);
 
-/* Makes room for the job's answer of so many bytes, which it holds then, if need be by dropping jobs that have ended. */
+/* Makes room for the job's answer of so many bytes, which it holds then, if need be by dropping
+ * jobs that have ended. */
 bool server_jobs_reserve(struct server_async *job, size_t bytes);
 void server_jobs_give(struct server_jobs *jobs, size_t bytes); /* takes no lock */
 

@@ -1,4 +1,5 @@
-/* Keygen: `geodesicd keygen NAME [--role read|write|operator] [--expires TIME|DAYSd] [--rate N] [--concurrent N]`. */
+/* Keygen: `geodesicd keygen NAME [--role read|write|operator] [--expires TIME|DAYSd] [--rate N]
+ * [--concurrent N]`. */
 #ifndef SERVER_KEYGEN_H
 #define SERVER_KEYGEN_H
 

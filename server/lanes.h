@@ -1,15 +1,19 @@
-/* Lanes: the jobs that wait for workers, shared fairly by tenants. Each tenant with jobs that wait or run has a lane.
+/* Lanes: the jobs that wait for workers, shared fairly by tenants. Each tenant with jobs that wait
+ * or run has a lane.
  *
- * DESIGN. A worker takes the job of the tenant that has the fewest running, and among those of the tenant whose jobs took the least
- * time since it came (start-time fair queueing: a lane that becomes active starts at the least time of the others, so that idle
- * tenants save nothing up). Within a lane jobs are taken in order. Urgent jobs, whose clients wait on the line, go before patient
- * ones; but after TURNS urgent ones a patient one has its turn.
+ * DESIGN. A worker takes the job of the tenant that has the fewest running, and among those of the
+ * tenant whose jobs took the least time since it came (start-time fair queueing: a lane that
+ * becomes active starts at the least time of the others, so that idle tenants save nothing up).
+ * Within a lane jobs are taken in order. Urgent jobs, whose clients wait on the line, go before
+ * patient ones; but after TURNS urgent ones a patient one has its turn.
  *
- * Bounds, for either kind: all lanes together hold `length` jobs. Where tenants share the queue, each takes at most as many places as it
- * leaves free (dynamic thresholds: Choudhury and Hahne, 1998), so that there is room for another tenant, whatever one sends.
+ * Bounds, for either kind: all lanes together hold `length` jobs. Where tenants share the queue,
+ * each takes at most as many places as it leaves free (dynamic thresholds: Choudhury and Hahne,
+ * 1998), so that there is room for another tenant, whatever one sends.
  *
- * A spare worker is one beyond the number of workers. It takes a job only if that keeps a promise to a tenant: an urgent one while fewer urgent jobs
- * run than there are workers, because patient ones have them, or one whose tenant has none running.
+ * A spare worker is one beyond the number of workers. It takes a job only if that keeps a promise
+ * to a tenant: an urgent one while fewer urgent jobs run than there are workers, because patient
+ * ones have them, or one whose tenant has none running.
  *
  * Not thread-safe: the workers' lock guards them. */
 #ifndef SERVER_LANES_H
@@ -55,7 +59,8 @@ bool server_lanes_push(struct server_lanes *lanes, struct server_lane *lane, str
 /* Queues a job ahead of the others of its lane and kind, whether there is a place or not. */
 void server_lanes_push_front(struct server_lanes *lanes, struct server_lane *lane, struct server_job *job);
 
-/* Takes the next job, which is running then, until server_lanes_end; NULL: there is none for such a worker. */
+/* Takes the next job, which is running then, until server_lanes_end; NULL: there is none for
+ * such a worker. */
 struct server_job *server_lanes_take(struct server_lanes *lanes, bool is_spare);
 
 /* A job of that lane and kind has run for so long. */

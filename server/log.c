@@ -231,8 +231,8 @@ static bool wait_for_room(int milliseconds)
     return found > 0 || (found < 0 && errno == EINTR);
 }
 
-/* Returns how many bytes were written, of which no more than `most` at once. Stops at an error, and after `patience_ms` without
- * room (negative: never). */
+/* Returns how many bytes were written, of which no more than `most` at once. Stops at an error,
+ * and after `patience_ms` without room (negative: never). */
 static size_t write_bytes(const char *bytes, size_t size, size_t most, int patience_ms)
 {
     size_t at = 0;
@@ -249,7 +249,8 @@ static size_t write_bytes(const char *bytes, size_t size, size_t most, int patie
     return at;
 }
 
-/* Writes a text that is the caller's. Lines that can't be written are counted: there is nowhere to report them. */
+/* Writes a text that is the caller's. Lines that can't be written are counted: there is nowhere
+ * to report them. */
 static void write_text(struct text *text, size_t most, int patience_ms)
 {
     size_t written = write_bytes(text->bytes, text->size, most, patience_ms);
@@ -284,7 +285,8 @@ static void note_dropped(struct text *text)
     (void)add_bytes(text, line.text, line.size, GATHERED_MOST); /* NOTE_SIZE is kept free for it */
 }
 
-/* Under the lock: the text with what has gathered, for the caller to write; lines gather in the other one. */
+/* Under the lock: the text with what has gathered, for the caller to write; lines gather in the
+ * other one. */
 static struct text *swap_texts(void)
 {
     struct text *full = output.gathering;
@@ -295,8 +297,8 @@ static struct text *swap_texts(void)
     return full;
 }
 
-/* Under the lock, which is given up meanwhile: until the text is to be written at once, or its lines have had
- * GATHER_NS to gather. */
+/* Under the lock, which is given up meanwhile: until the text is to be written at once, or its
+ * lines have had GATHER_NS to gather. */
 static void wait_for_lines(void)
 {
     struct timespec until;
@@ -328,7 +330,8 @@ static void *write_lines(void *user)
     return NULL;
 }
 
-/* Under the lock: the first line of a text, an urgent one, and the one by which it has ENOUGH bytes, wake the writer. */
+/* Under the lock: the first line of a text, an urgent one, and the one by which it has ENOUGH
+ * bytes, wake the writer. */
 static void gather(const struct server_log_line *line, bool is_urgent)
 {
     struct text *text = output.gathering;
@@ -392,7 +395,8 @@ static bool wait_for_writer(void)
     return output.has_ended;
 }
 
-/* Under the lock, which is given up meanwhile: ends the writer; false: it still waits for the reader of standard error. */
+/* Under the lock, which is given up meanwhile: ends the writer; false: it still waits for the
+ * reader of standard error. */
 static bool end_writer(void)
 {
     output.is_stopping = true;
@@ -420,8 +424,8 @@ void server_log_stop(void)
 static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 static struct sigaction before_us[sizeof crashes / sizeof *crashes];
 
-/* The writer goes on while a crashing thread is here, for a moment; then what would have become of the signal does. Calls only
- * what a handler may call. */
+/* The writer goes on while a crashing thread is here, for a moment; then what would have become
+ * of the signal does. Calls only what a handler may call. */
 static void on_crash(int number, siginfo_t *info, void *context)
 {
     int saved = errno;

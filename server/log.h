@@ -6,12 +6,14 @@
  *         server_log_end(&line);
  *     }
  *
- * A line is built in the caller's frame and written whole, so lines of different threads don't mix. Text is escaped and cut to
- * what fits.
+ * A line is built in the caller's frame and written whole, so lines of different threads don't mix.
+ * Text is escaped and cut to what fits.
  *
- * DESIGN. Once started, a log never waits and never fails a request: lines are copied into a bounded buffer, in order, and a thread
- * of its own writes them. If standard error is not read, or too slowly, lines are dropped and counted, and where they are missing
- * stands a line `log_dropped` with their number. Standard error stays as it was inherited: it is blocking for those that share it. */
+ * DESIGN. Once started, a log never waits and never fails a request: lines are copied into a
+ * bounded buffer, in order, and a thread of its own writes them. If standard error is not read,
+ * or too slowly, lines are dropped and counted, and where they are missing stands a line
+ * `log_dropped` with their number. Standard error stays as it was inherited: it is blocking for
+ * those that share it. */
 #ifndef SERVER_LOG_H
 #define SERVER_LOG_H
 
@@ -51,12 +53,14 @@ void server_log_milliseconds(struct server_log_line *line, const char *key, uint
 void server_log_end(struct server_log_line *line);      /* has it written at once, after all those before it */
 void server_log_end_soon(struct server_log_line *line); /* has it written within hundredths of a second */
 
-/* Starts the writer's thread; false: there is none. Before the start and after the stop a caller writes its lines itself, and waits
- * a tenth of a second at most. The stop waits a second at most for the last lines to be written. */
+/* Starts the writer's thread; false: there is none. Before the start and after the stop a caller
+ * writes its lines itself, and waits a tenth of a second at most. The stop waits a second at
+ * most for the last lines to be written. */
 bool server_log_start(void);
 void server_log_stop(void);
 
-/* Has a crash wait a moment for the lines before it to be written. Once, before any thread starts. */
+/* Has a crash wait a moment for the lines before it to be written. Once, before any thread
+ * starts. */
 void server_log_flush_at_crash(void);
 
 /* Lines that were dropped since the start. Thread-safe, takes no lock. */

@@ -31,7 +31,8 @@ static void block_signals(sigset_t *awaited)
     signal(SIGXFSZ, SIG_IGN); /* a limit on the size of files (RLIMIT_FSIZE) is a write that fails */
 }
 
-/* Descriptors that are closed at the start become /dev/null: else the first file that is opened would get the log. */
+/* Descriptors that are closed at the start become /dev/null: else the first file that is opened
+ * would get the log. */
 static void open_standard_descriptors(void)
 {
     int descriptor;

@@ -31,7 +31,8 @@ struct server_workers {
     pthread_t threads[];
 };
 
-/* The job that this thread runs, from the queue of those workers: what it submits is of its lane and kind. NULL: none. */
+/* The job that this thread runs, from the queue of those workers: what it submits is of its lane
+ * and kind. NULL: none. */
 static _Thread_local const struct server_workers *own_workers;
 static _Thread_local struct server_lane *own_lane;
 static _Thread_local bool own_is_patient;
@@ -125,7 +126,8 @@ bool server_workers_go_on(struct server_workers *workers)
     return !server_workers_cancelled(workers);
 }
 
-/* Under the lock, which is given up meanwhile: a job that was taken. Another one that waits may be a spare thread's now. */
+/* Under the lock, which is given up meanwhile: a job that was taken. Another one that waits may
+ * be a spare thread's now. */
 static void run_taken(struct server_workers *workers, struct server_job *job)
 {
     if (server_lanes_queued(&workers->lanes)) announce(workers);

@@ -1,12 +1,15 @@
-/* Workers: a bounded queue of jobs, shared fairly by tenants (lanes.h), and the threads that run them.
+/* Workers: a bounded queue of jobs, shared fairly by tenants (lanes.h), and the threads that run
+ * them.
  *
- * DESIGN. Each submitted job ends in exactly one call of `run` that does not park it or of `refuse` (job.h); a parked
- * one comes back through server_workers_resume, or waits here for an unpark. One mutex guards queue and state; `run` and `refuse` are called
- * without it, so they may take any lock.
+ * DESIGN. Each submitted job ends in exactly one call of `run` that does not park it or of `refuse`
+ * (job.h); a parked one comes back through server_workers_resume, or waits here for an unpark. One
+ * mutex guards queue and state; `run` and `refuse` are called without it, so they may take any
+ * lock.
  *
- * Background jobs are for idle times: one at a time, begun when the queue is empty. Such a job yields every millisecond or
- * so while it computes: when all threads are at work it runs what is queued itself, before it goes on. So no work is lost,
- * and it costs a request a millisecond, unless it is at the disk just then (landmarks.h).
+ * Background jobs are for idle times: one at a time, begun when the queue is empty. Such a job
+ * yields every millisecond or so while it computes: when all threads are at work it runs what is
+ * queued itself, before it goes on. So no work is lost, and it costs a request a millisecond,
+ * unless it is at the disk just then (landmarks.h).
  *
  * States: open -> cancelled (jobs in the queue and coming ones are refused, running ones see
  * server_workers_cancelled and stop) -> destroyed. */
@@ -20,11 +23,12 @@
 
 struct server_workers;
 
-/* Starts `count` threads; at most `queue_length` jobs wait, and as many patient ones. NULL when memory or threads can't be had. */
+/* Starts `count` threads; at most `queue_length` jobs wait, and as many patient ones. NULL when
+ * memory or threads can't be had. */
 struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length);
 
-/* Starts spare threads: each begins a job only when all others are busy and the job's tenant is owed it (lanes.h). False: memory or
- * threads are short. Before any job. */
+/* Starts spare threads: each begins a job only when all others are busy and the job's tenant is
+ * owed it (lanes.h). False: memory or threads are short. Before any job. */
 bool server_workers_add_spare(struct server_workers *workers, uint32_t count);
 
 /* Tenants share the queue: none takes more places than it leaves free. Before any job. */
@@ -34,7 +38,8 @@ void server_workers_share(struct server_workers *workers);
  * once. */
 bool server_workers_submit(struct server_workers *workers, struct server_job *job);
 
-/* Queues a parked job again, ahead of the others of its tenant and whatever the queue's length: it was admitted before. */
+/* Queues a parked job again, ahead of the others of its tenant and whatever the queue's length:
+ * it was admitted before. */
 void server_workers_resume(struct server_workers *workers, struct server_job *job);
 
 /* Queues a background job; it is refused at once after a cancel. Their deadlines are looked at when they begin. */

@@ -57,7 +57,8 @@ void server_handle_get_readyz(struct server_exchange *exchange)
     }
 }
 
-/* Numbers of all tenants are for the operator, wherever the request comes from: behind a proxy every client is of this machine. */
+/* Numbers of all tenants are for the operator, wherever the request comes from: behind a proxy
+ * every client is of this machine. */
 void server_handle_get_metrics(struct server_exchange *exchange)
 {
     struct server *server = exchange->server;

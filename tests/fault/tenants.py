@@ -25,7 +25,7 @@ from test_access import bearer, digest, key_of
 RATIO = 3
 TIMES = 5
 CLIENTS = 600  # of the flood: more than the queue has places
-FLAGS = ("--memory-budget", "512MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--timeout-ms", "30000")
+FLAGS = ("--memory-budget", "2GiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0", "--timeout-ms", "30000")
 VICTIM, FLOOD, SAME, WATCH = "ann", "bob", "ann-jobs", "watch"  # `ann-jobs`: a second key of the victim's tenant
 
 

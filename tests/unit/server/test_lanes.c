@@ -73,7 +73,8 @@ static void tenants_take_turns(void **state)
     take_all();
 }
 
-/* Of a tenant with long jobs and one with short ones each gets half of the time, and in between neither more than a job. */
+/* Of a tenant with long jobs and one with short ones each gets half of the time, and in between
+ * neither more than a job. */
 static void turns_are_of_time(void **state)
 {
     (void)state;
