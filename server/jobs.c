@@ -154,11 +154,13 @@ static void name(struct server_jobs *jobs, struct server_async *job)
     job->created = (int64_t)now.tv_sec;
 }
 
-static bool refuse_more(struct proto_problem *problem, const char *whose, uint64_t count)
+/* Tells a tenant no numbers of others. */
+static bool refuse_more(const struct server_jobs *jobs, uint64_t own, struct proto_problem *problem)
 {
+    bool is_shared = jobs->server->access != NULL;
     (void)proto_problem_set(problem, PROTO_PROBLEM_OVERLOADED,
                             "%llu jobs%s have not ended yet, and no more are taken; try again in a moment",
-                            (unsigned long long)count, whose);
+                            (unsigned long long)(is_shared ? own : jobs->active), is_shared ? " of yours" : "");
     problem->retry_after = 1;
     return false;
 }
@@ -166,10 +168,10 @@ static bool refuse_more(struct proto_problem *problem, const char *whose, uint64
 /* Is there a place for one more job of the holding, which counts it already? */
 static bool has_place(struct server_jobs *jobs, struct server_holding *holding, struct proto_problem *problem)
 {
-    uint64_t own = server_holdings_active(&jobs->holdings, holding->tenant);
-    if (jobs->server->access && own && own >= jobs->most - jobs->active) return refuse_more(problem, " of yours", own);
-    if (jobs->count < jobs->most || make_way(jobs, SERVER_MEASURE_JOBS, holding, 0)) return true;
-    return refuse_more(problem, "", jobs->active);
+    uint64_t own = server_holdings_active(&jobs->holdings, holding->tenant), others = jobs->active - own;
+    bool has_share = !jobs->server->access || !own || 2 * own + others < jobs->most;
+    if (has_share && (jobs->count < jobs->most || make_way(jobs, SERVER_MEASURE_JOBS, holding, 0))) return true;
+    return refuse_more(jobs, own, problem);
 }
 
 static void insert(struct server_jobs *jobs, struct server_holding *holding, struct server_async *job)

@@ -110,7 +110,7 @@ def main():
     arguments.add_argument("--count", type=int, default=200, help="questions of each measurement")
     arguments.add_argument("--short", action="store_true")
     options = arguments.parse_args()
-    count, cells, bound = (20, 100, None) if options.short else (options.count, 160, RATIO)
+    count, cells, bound = (12, 80, None) if options.short else (options.count, 160, RATIO)
     with tempfile.TemporaryDirectory() as place, Keyed(place, cells) as daemon:
         return conclude("tenants", [measure(daemon, place, what, count, bound) for what in ("jobs", "requests", "jobs of its own")])
 
