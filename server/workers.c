@@ -19,11 +19,11 @@ struct server_workers {
     pthread_mutex_t lock;
     pthread_cond_t work, spare_work;
     struct server_lanes lanes;
-    uint32_t thread_count, idle_count; /* of the threads that are not spare */
-    struct server_job *parked;         /* see server_workers_park */
-    struct server_job *background;     /* jobs for idle times, the latest first */
-    bool is_hosting;                   /* a thread runs one of them */
-    bool leaving;                      /* threads end once the queue is empty */
+    uint32_t thread_count, working; /* of the threads that are not spare; those that run a job */
+    struct server_job *parked;      /* see server_workers_park */
+    struct server_job *background;  /* jobs for idle times, the latest first */
+    bool is_hosting;                /* a thread runs one of them */
+    bool leaving;                   /* threads end once the queue is empty */
     atomic_bool cancelled;
     atomic_uint busy; /* threads that run a job, of the queue or of the background */
     pthread_t *spare;
@@ -46,10 +46,15 @@ static struct server_lane *lane_for(struct server_workers *workers, struct serve
     return own_lane;
 }
 
-/* A job has come for an idle thread, if there is one, else perhaps for a spare one. */
+static bool is_all_at_work(const struct server_workers *workers)
+{
+    return workers->working == workers->thread_count;
+}
+
+/* A job has come for a thread, or, if all are at work, perhaps for a spare one. */
 static void announce(struct server_workers *workers)
 {
-    pthread_cond_signal(workers->idle_count || !workers->spare_count ? &workers->work : &workers->spare_work);
+    pthread_cond_signal(is_all_at_work(workers) ? &workers->spare_work : &workers->work);
 }
 
 static void push_front(struct server_workers *workers, struct server_job *job)
@@ -165,12 +170,25 @@ static void host(struct server_workers *workers)
     workers->is_hosting = false;
 }
 
-/* Under the lock, which is given up meanwhile. */
-static void wait_for_work(struct server_workers *workers)
+/* Under the lock, which is given up meanwhile: runs the next job; false: there is none. */
+static bool work_once(struct server_workers *workers)
 {
-    workers->idle_count++;
-    pthread_cond_wait(&workers->work, &workers->lock);
-    workers->idle_count--;
+    struct server_job *job = server_lanes_take(&workers->lanes, false);
+    if (!job && !may_host(workers)) return false;
+    workers->working++;
+    if (job)
+        run_taken(workers, job);
+    else
+        host(workers);
+    workers->working--;
+    return true;
+}
+
+/* Under the lock, which is given up meanwhile; false: the thread is to end. */
+static bool wait_for_work(struct server_workers *workers)
+{
+    if (!workers->leaving) pthread_cond_wait(&workers->work, &workers->lock);
+    return !workers->leaving;
 }
 
 static void *work(void *user)
@@ -178,29 +196,18 @@ static void *work(void *user)
     struct server_workers *workers = user;
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
-    for (;;) {
-        struct server_job *job = server_lanes_take(&workers->lanes, false);
-        if (job)
-            run_taken(workers, job);
-        else if (may_host(workers))
-            host(workers);
-        else if (!workers->leaving)
-            wait_for_work(workers);
-        else
-            break;
-    }
+    while (work_once(workers) || wait_for_work(workers)) continue;
     pthread_mutex_unlock(&workers->lock);
     return NULL;
 }
 
-/* While there is an idle thread, the job that was announced is its. */
 static void *work_as_spare(void *user)
 {
     struct server_workers *workers = user;
     server_place_worker();
     pthread_mutex_lock(&workers->lock);
     while (!workers->leaving) {
-        struct server_job *job = workers->idle_count ? NULL : server_lanes_take(&workers->lanes, true);
+        struct server_job *job = is_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
         if (job)
             run_taken(workers, job);
         else
