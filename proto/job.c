@@ -74,7 +74,7 @@ static bool shows_body(const struct proto_job *job, enum proto_job_detail detail
     return detail == PROTO_JOB_FULL;
 }
 
-void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail)
+static void encode_told(struct proto_writer *writer, const struct proto_job *job)
 {
     proto_write_object_begin(writer);
     proto_member_string(writer, "id", job->id);
@@ -83,6 +83,19 @@ void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, 
     proto_member_time(writer, "created", job->created);
     proto_member_string(writer, "request", job->request);
     if (job->answer) encode_response(writer, job);
+}
+
+bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job)
+{
+    if (!job->answer || !job->answer->size || !is_json(job->answer->media_type)) return false;
+    encode_told(writer, job);
+    proto_write_key(writer, job->state == PROTO_JOB_DONE ? "result" : "problem");
+    return true;
+}
+
+void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail)
+{
+    encode_told(writer, job);
     if (job->answer && shows_body(job, detail)) encode_body(writer, job);
     proto_write_object_end(writer);
 }

@@ -2,7 +2,6 @@
 
 #include <endian.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "proto/decode.h"
@@ -98,17 +97,15 @@ void proto_matrix_encode(struct proto_writer *writer, const struct proto_matrix_
     proto_write_object_end(writer);
 }
 
-void *proto_matrix_bytes(const struct proto_matrix_answer *answer, size_t *size)
+size_t proto_matrix_bytes(const struct proto_matrix_answer *answer, void *out)
 {
     size_t count = (size_t)answer->rows * answer->columns;
-    uint64_t *bytes = malloc(count * sizeof *bytes);
-    if (!bytes) return NULL;
-    for (size_t i = 0; i < count; i++) {
+    uint64_t *bytes = out;
+    for (size_t i = 0; i < count && bytes; i++) {
         double value = isfinite(answer->distances[i]) ? answer->distances[i] : NAN;
         uint64_t bits;
         memcpy(&bits, &value, sizeof bits);
         bytes[i] = htole64(bits);
     }
-    *size = count * sizeof *bytes;
-    return bytes;
+    return count * sizeof *bytes;
 }

@@ -1,10 +1,12 @@
 #include "proto/mesh.h"
 
+#include <jansson.h>
 #include <string.h>
 
 #include "proto/accept.h"
 #include "proto/member.h"
 #include "proto/number.h"
+#include "proto/page.h"
 #include "proto/point.h"
 
 /* --- name --------------------------------------------------------------------------------------------------------- */
@@ -127,18 +129,59 @@ bool proto_mesh_content_format(const struct proto_parameters *parameters, const 
 
 /* --- description -------------------------------------------------------------------------------------------------- */
 
+static void encode_boundary(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t loop)
+{
+    struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
+    proto_write_object_begin(writer);
+    proto_member_uint(writer, "vertices", boundary.vertices);
+    proto_member_number(writer, "length", boundary.length);
+    proto_write_object_end(writer);
+}
+
 static void encode_boundaries(struct proto_writer *writer, const struct gd_mesh *mesh, uint32_t count)
 {
+    proto_member_uint(writer, "boundary_count", count);
     proto_write_key(writer, "boundaries");
     proto_write_array_begin(writer);
-    for (uint32_t loop = 0; loop < count; loop++) {
-        struct gd_boundary boundary = gd_mesh_boundary(mesh, loop);
-        proto_write_object_begin(writer);
-        proto_member_uint(writer, "vertices", boundary.vertices);
-        proto_member_number(writer, "length", boundary.length);
-        proto_write_object_end(writer);
-    }
+    for (uint32_t loop = 0; loop < count && loop < PROTO_MESH_BOUNDARIES; loop++) encode_boundary(writer, mesh, loop);
     proto_write_array_end(writer);
+}
+
+void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after, uint32_t limit)
+{
+    uint32_t count = gd_mesh_summary(mesh)->boundaries;
+    uint32_t first = after < (int64_t)count ? (uint32_t)(after + 1) : count;
+    uint32_t end = count - first > limit ? first + limit : count;
+    char next[PROTO_PAGE_NUMBER];
+    proto_page_begin(writer, "boundaries");
+    for (uint32_t loop = first; loop < end; loop++) encode_boundary(writer, mesh, loop);
+    proto_page_end(writer, end < count ? proto_page_write_number(end - 1, next) : NULL);
+}
+
+static int append(const char *text, size_t size, void *writer)
+{
+    proto_append(writer, text, size);
+    return 0;
+}
+
+char *proto_mesh_shorten(const char *description)
+{
+    json_t *document = json_loads(description, 0, NULL), *boundaries = json_object_get(document, "boundaries");
+    json_int_t count = (json_int_t)json_array_size(boundaries);
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, strlen(description));
+    if (count > PROTO_MESH_BOUNDARIES && !json_object_set_new(document, "boundary_count", json_integer(count))) {
+        while (json_array_size(boundaries) > PROTO_MESH_BOUNDARIES)
+            (void)json_array_remove(boundaries, json_array_size(boundaries) - 1);
+        if (json_dump_callback(document, append, &writer, JSON_COMPACT | JSON_REAL_PRECISION(17)))
+            writer.failure = PROTO_WRITER_NO_MEMORY;
+        proto_append(&writer, "", 1); /* the NUL */
+    }
+    json_decref(document);
+    char *shortened = proto_writer_take(&writer, &size);
+    proto_writer_free(&writer);
+    return shortened;
 }
 
 static void encode_topology(struct proto_writer *writer, const struct gd_mesh *mesh,

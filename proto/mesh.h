@@ -10,7 +10,8 @@
 #include "proto/options.h"
 #include "proto/writer.h"
 
-#define PROTO_MESH_NAME 128 /* most characters of a name, without the NUL */
+#define PROTO_MESH_BOUNDARIES 100 /* of them stand in a description */
+#define PROTO_MESH_NAME       128 /* most characters of a name, without the NUL */
 
 /* [A-Za-z0-9_-][A-Za-z0-9._-]{0,127}; else invalid_request. `name` has `length` bytes and need not be NUL-terminated.
  */
@@ -47,5 +48,12 @@ struct proto_mesh_description {
 };
 
 void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description);
+
+/* Writes a page of the boundary loops: at most `limit`, from the one behind the number `after` on (-1: from the first). */
+void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after, uint32_t limit);
+
+/* The description with no more boundaries than one has that is written now, malloc'ed: versions before wrote them all. NULL when it is
+ * short, or no description, or without memory. */
+char *proto_mesh_shorten(const char *description);
 
 #endif

@@ -1,6 +1,10 @@
 #include "proto/page.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+
 #include "proto/member.h"
+#include "proto/problem.h"
 
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out, struct proto_problem *problem)
 {
@@ -10,6 +14,20 @@ bool proto_page_parse(const struct proto_parameters *parameters, struct proto_pa
     if (!proto_parameters_integer(parameters, "limit", 1, PROTO_PAGE_MOST, &limit, problem)) return false;
     *out = (struct proto_page){.limit = (uint32_t)limit, .after = parameters->get(parameters->user, "after")};
     return true;
+}
+
+bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem)
+{
+    char *end = NULL;
+    *out = page->after ? strtoll(page->after, &end, 10) : -1;
+    if (!page->after || (end != page->after && !*end && *out >= 0)) return true;
+    return proto_problem_refuse(problem, "after", "write the number of an item, as `next` of the page before has it");
+}
+
+const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER])
+{
+    snprintf(text, PROTO_PAGE_NUMBER, "%lld", (long long)number);
+    return text;
 }
 
 void proto_page_begin(struct proto_writer *writer, const char *name)

@@ -7,6 +7,8 @@
 
 #define PROTO_PAGE_DEFAULT 100
 #define PROTO_PAGE_MOST    1000
+#define PROTO_PAGE_BYTES   ((size_t)1 << 20) /* after which a page ends, however many items it may have */
+#define PROTO_PAGE_NUMBER  24                /* bytes of a number's text */
 
 struct proto_page {
     uint32_t limit;    /* 1 to PROTO_PAGE_MOST */
@@ -15,6 +17,12 @@ struct proto_page {
 
 /* Reads limit and after, and refuses any other parameter. invalid_request. */
 bool proto_page_parse(const struct proto_parameters *parameters, struct proto_page *out, struct proto_problem *problem);
+
+/* The cursor `after` of a list that is numbered: -1 for none. invalid_request. */
+bool proto_page_number(const struct proto_page *page, int64_t *out, struct proto_problem *problem);
+
+/* Such a cursor's text, in `text`. */
+const char *proto_page_write_number(int64_t number, char text[PROTO_PAGE_NUMBER]);
 
 /* Writes a list: its begin, each item, its end. `name` of the list ("meshes"); `next`: the cursor of the next page; NULL: this
  * is the last. */

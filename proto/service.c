@@ -17,6 +17,7 @@ static void encode_limits(struct proto_writer *writer, const struct proto_servic
     encode_limit(writer, "max_faces", service->limits.max_faces);
     encode_limit(writer, "timeout_ms", service->limits.timeout_ms);
     encode_limit(writer, "memory_budget_bytes", service->limits.memory_budget_bytes);
+    encode_limit(writer, "max_answer_bytes", service->limits.max_answer_bytes);
     encode_limit(writer, "workers", service->limits.workers);
     proto_write_object_end(writer);
 }

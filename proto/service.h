@@ -11,7 +11,7 @@
 struct proto_service {
     const char *version; /* of the program */
     struct {
-        uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, workers;
+        uint64_t max_body_bytes, max_faces, timeout_ms, memory_budget_bytes, max_answer_bytes, workers;
     } limits;
     const struct proto_route *routes; /* their queries are the capabilities */
     size_t route_count;

@@ -13,6 +13,7 @@
 #include "proto/utf8.h"
 
 #define FIRST_CAPACITY 1024
+#define GROWN_SLOWLY   ((size_t)1 << 20) /* bytes: larger buffers grow by a quarter, others are doubled */
 
 /* --- the buffer --------------------------------------------------------------------------------------------------- */
 
@@ -23,8 +24,16 @@ void proto_writer_init(struct proto_writer *writer, size_t maximum)
 
 void proto_writer_free(struct proto_writer *writer)
 {
+    const struct proto_writer_account *account = writer->account;
     free(writer->data);
+    if (writer->counted) account->give(account->user, writer->counted);
     proto_writer_init(writer, writer->maximum);
+    writer->account = account;
+}
+
+size_t proto_writer_counted(size_t capacity)
+{
+    return capacity > PROTO_WRITER_SMALL ? capacity : 0;
 }
 
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem)
@@ -35,21 +44,40 @@ bool proto_writer_check(const struct proto_writer *writer, struct proto_problem 
     case PROTO_WRITER_NO_MEMORY:
         return proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                                  "there is no memory for the answer; try again later");
+    case PROTO_WRITER_NO_ROOM:
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "other answers, which their clients have not read to the end, hold the memory that this one "
+                          "needs; try again in a moment");
+        problem->retry_after = 1;
+        return false;
     case PROTO_WRITER_TOO_LARGE:
         break;
     }
     proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
-                      "the answer is larger than %zu bytes; ask for less of it with fields or geometry",
+                      "the answer is larger than the %zu bytes that one may have; ask for less of it, with fields, "
+                      "geometry or fewer points, or have the operator raise --max-answer",
                       writer->maximum);
     return proto_problem_limit(problem, writer->maximum);
+}
+
+/* Gives back what the buffer has beyond the text. */
+static void cut(struct proto_writer *writer)
+{
+    size_t counted = proto_writer_counted(writer->size);
+    char *data = realloc(writer->data, writer->size);
+    if (data) writer->data = data; /* else it is as large as it was: no allocator refuses to shrink */
+    writer->account->give(writer->account->user, writer->counted - counted);
 }
 
 char *proto_writer_take(struct proto_writer *writer, size_t *size)
 {
     if (writer->failure != PROTO_WRITER_FINE || writer->size == 0) return NULL;
+    if (writer->counted) cut(writer);
+    const struct proto_writer_account *account = writer->account;
     char *data = writer->data;
     *size = writer->size;
     proto_writer_init(writer, writer->maximum);
+    writer->account = account;
     return data;
 }
 
@@ -59,18 +87,31 @@ static bool fail(struct proto_writer *writer, enum proto_writer_failure failure)
     return false;
 }
 
-static bool grow(struct proto_writer *writer, size_t more)
+/* The capacity that holds `more` bytes more, which are within the maximum, and some to come. */
+static size_t next_capacity(const struct proto_writer *writer, size_t more)
 {
-    if (writer->failure != PROTO_WRITER_FINE) return false;
-    if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
-    size_t capacity = writer->capacity > writer->maximum / 2 ? writer->maximum : 2 * writer->capacity;
+    size_t step = writer->capacity < GROWN_SLOWLY ? writer->capacity : writer->capacity / 4;
+    size_t capacity = writer->capacity > writer->maximum - step ? writer->maximum : writer->capacity + step;
     if (capacity < FIRST_CAPACITY) capacity = FIRST_CAPACITY;
     if (capacity < writer->size + more) capacity = writer->size + more;
-    if (capacity > writer->maximum) capacity = writer->maximum;
+    return capacity < writer->maximum ? capacity : writer->maximum;
+}
+
+static bool grow(struct proto_writer *writer, size_t more)
+{
+    const struct proto_writer_account *account = writer->account;
+    if (writer->failure != PROTO_WRITER_FINE) return false;
+    if (more > writer->maximum - writer->size) return fail(writer, PROTO_WRITER_TOO_LARGE);
+    size_t capacity = next_capacity(writer, more), counted = account ? proto_writer_counted(capacity) : 0;
+    if (counted && !account->take(account->user, counted - writer->counted)) return fail(writer, PROTO_WRITER_NO_ROOM);
     char *data = realloc(writer->data, capacity);
-    if (!data) return fail(writer, PROTO_WRITER_NO_MEMORY);
+    if (!data) {
+        if (counted) account->give(account->user, counted - writer->counted);
+        return fail(writer, PROTO_WRITER_NO_MEMORY);
+    }
     writer->data = data;
     writer->capacity = capacity;
+    writer->counted = counted;
     return true;
 }
 

@@ -11,7 +11,10 @@
  *
  * Commas are the writer's business, matching begins with ends and keys with values the caller's. Failure is sticky:
  * after the first one nothing more is written, so that it is checked once, at the end. One writer belongs to one thread
- * at a time. */
+ * at a time.
+ *
+ * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives them back when the text is
+ * freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
 #ifndef PROTO_WRITER_H
 #define PROTO_WRITER_H
 
@@ -21,13 +24,29 @@
 
 struct proto_problem;
 
-enum proto_writer_failure { PROTO_WRITER_FINE, PROTO_WRITER_NO_MEMORY, PROTO_WRITER_TOO_LARGE };
+#define PROTO_WRITER_SMALL 8192
+
+/* Counts the memory of texts. Thread-safe. */
+struct proto_writer_account {
+    bool (*take)(void *user, size_t bytes); /* false: there is no room for so many more */
+    void (*give)(void *user, size_t bytes);
+    void *user;
+};
+
+enum proto_writer_failure {
+    PROTO_WRITER_FINE,
+    PROTO_WRITER_NO_MEMORY, /* of the system */
+    PROTO_WRITER_NO_ROOM,   /* in the account, for now */
+    PROTO_WRITER_TOO_LARGE  /* over the maximum */
+};
 
 struct proto_writer {
     char *data;      /* the text so far, not NUL-terminated; NULL while empty */
     size_t size;     /* bytes of it */
     size_t capacity; /* <= maximum */
     size_t maximum;
+    const struct proto_writer_account *account; /* borrowed; NULL: nothing is counted */
+    size_t counted;                             /* bytes taken from it: 0 or the capacity */
     enum proto_writer_failure failure;
     bool comma; /* a value stands before: the next one needs a comma */
 };
@@ -39,12 +58,17 @@ void proto_writer_free(struct proto_writer *writer); /* a second time is harmles
 /* Makes room at once for about so many bytes that are to come, instead of now and then. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
 
-/* True, or false with insufficient_memory (out of memory, or over the maximum, which is the problem's limit then). */
+/* True, or false with insufficient_memory: out of memory, no room in the account (retry_after is set), or over the maximum, which
+ * is the problem's limit then. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 /* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL if the writer failed
- * or is empty. */
+ * or is empty. Of a writer with an account the buffer is cut to the text, and the caller gives back
+ * proto_writer_counted(*size) bytes when it frees it. */
 char *proto_writer_take(struct proto_writer *writer, size_t *size);
+
+/* Bytes that an account counts for a buffer of that capacity. */
+size_t proto_writer_counted(size_t capacity);
 
 void proto_write_object_begin(struct proto_writer *writer);
 void proto_write_object_end(struct proto_writer *writer);

@@ -9,14 +9,13 @@
 #include "server/log.h"
 #include "server/reply.h"
 #include "server/router.h"
+#include "server/server.h"
 
 /* --- the answer --------------------------------------------------------------------------------------------------- */
 
 static void refuse_answer(struct server_exchange *exchange, size_t bytes)
 {
-    struct server_response *response = &exchange->response;
-    free(response->owned);
-    response->owned = NULL;
+    server_reply_drop_body(exchange);
     server_reply_refusal(
         exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
         "the answer of %zu bytes is more than can be kept for jobs at this moment; ask for less of it, "
@@ -102,6 +101,7 @@ void server_async_release(struct server_async *job)
 {
     if (!job || atomic_fetch_sub(&job->references, 1) != 1) return;
     server_jobs_give(job->jobs, job->held);
+    server_budget_give(job->budget, SERVER_BUDGET_RECORDS, job->own);
     server_kept_free(&job->kept);
     free(job->request);
     free(job);
@@ -117,7 +117,10 @@ struct server_async *server_async_create(struct server_jobs *jobs, struct server
     snprintf(job->tenant, sizeof job->tenant, "%s", exchange->tenant);
     snprintf(job->key, sizeof job->key, "%s", key ? key : "");
     job->transport = (struct server_transport){.finish = finish, .is_gone = is_gone, .begin = begin, .report = report};
-    if (asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
+    job->budget = &exchange->server->budget;
+    if (server_budget_take(job->budget, SERVER_BUDGET_RECORDS, sizeof *job + exchange->target_size))
+        job->own = sizeof *job + exchange->target_size;
+    if (job->own && asprintf(&job->request, "%s %s", exchange->method, exchange->path) < 0) job->request = NULL;
     if (job->request) job->exchange = server_exchange_detach(exchange, &job->transport);
     if (job->exchange) job->exchange->job.is_patient = true;
     if (job->exchange) return job;

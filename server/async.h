@@ -36,6 +36,8 @@ struct server_async {
     size_t held;                    /* bytes of SERVER_BUDGET_JOBS that are counted for it */
     /* unchanged once the state is DONE or FAILED: */
     struct server_kept kept;
+    struct server_budget *budget;
+    size_t own; /* bytes of SERVER_BUDGET_RECORDS that are counted for this struct */
 };
 
 /* Take no lock: so they may be called under one. */

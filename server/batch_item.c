@@ -77,8 +77,10 @@ struct server_batch_item *server_batch_item_create(struct server *server, const 
         (void)proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
         return NULL;
     }
-    *item = (struct server_batch_item){
-        .transport = {.finish = finish, .is_gone = is_gone}, .owner = owner, .claim = *claim};
+    *item = (struct server_batch_item){.transport = {.finish = finish, .is_gone = is_gone},
+                                       .owner = owner,
+                                       .claim = *claim,
+                                       .budget = &server->budget};
     if (claim->etag[0]) snprintf(item->tag, sizeof item->tag, "\"%s\"", claim->etag);
     if (make_exchange(item, server, many, problem)) return item;
     free(item);
@@ -88,6 +90,7 @@ struct server_batch_item *server_batch_item_create(struct server *server, const 
 void server_batch_item_free(struct server_batch_item *item)
 {
     free(item->answer);
+    server_budget_give(item->budget, SERVER_BUDGET_ANSWERS, item->held);
     free(item);
 }
 
@@ -107,7 +110,9 @@ void server_batch_item_take_answer(struct server_batch_item *item)
     struct server_response *response = &item->exchange->response;
     item->size = response->body ? response->size : 0;
     item->answer = response->owned;
+    item->held = response->held;
     response->owned = NULL;
+    response->held = 0;
     if (item->answer || !item->size) return;
     item->answer = malloc(item->size);
     if (item->answer)

@@ -18,7 +18,8 @@ struct server_batch_item {
     struct server_exchange *exchange; /* NULL: answered */
     unsigned status;                  /* 0: not answered */
     char *answer;                     /* NULL: none, or no memory for it */
-    size_t size;
+    size_t size, held;                /* of the answer: bytes, and how many SERVER_BUDGET_ANSWERS counts */
+    struct server_budget *budget;     /* that counts them */
 };
 
 /* An item with its exchange; `many` is the batch's, and borrowed for the call. NULL with the problem. */

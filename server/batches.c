@@ -15,10 +15,11 @@
 #include "server/server.h"
 #include "server/thread.h"
 
-#define LOOK_NS  UINT64_C(500000000)
-#define RENEW_NS UINT64_C(4000000000) /* a quarter of a lease */
-#define PAUSE_MS 500                  /* before an item that could not be done is taken again */
-#define NODE     33
+#define LOOK_NS      UINT64_C(500000000)
+#define RENEW_NS     UINT64_C(4000000000) /* a quarter of a lease */
+#define PAUSE_MS     500                  /* before an item that could not be done is taken again */
+#define NODE         33
+#define PROBLEM_MOST 65536 /* bytes of a problem's text */
 
 struct server_batches {
     struct server *server;
@@ -200,7 +201,7 @@ static void refuse(struct server_batches *batches, const struct server_batch_cla
 {
     struct proto_writer writer;
     struct server_batch_item item = {.claim = *claim, .status = problem->status};
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, PROBLEM_MOST);
     proto_problem_encode(&writer, problem);
     item.answer = proto_writer_take(&writer, &item.size);
     settle(batches, &item);

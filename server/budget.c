@@ -3,11 +3,23 @@
 
 #include <assert.h>
 
-#define REMEDY "delete meshes, or raise --memory-budget"
+#define SMALL_ANSWER ((size_t)64 << 10) /* bytes that are taken at once */
+#define REMEDY       "delete meshes, or raise --memory-budget"
+
+static bool take_text(void *budget, size_t bytes)
+{
+    return server_budget_take_answer(budget, bytes);
+}
+
+static void give_text(void *budget, size_t bytes)
+{
+    server_budget_give(budget, SERVER_BUDGET_ANSWERS, bytes);
+}
 
 void server_budget_init(struct server_budget *budget, size_t limit)
 {
-    *budget = (struct server_budget){.limit = limit};
+    *budget = (struct server_budget){
+        .limit = limit, .largest_answer = limit / SERVER_BUDGET_ANSWER_PART, .answers = {take_text, give_text, budget}};
 }
 
 static bool try_take(struct server_budget *budget, size_t bytes)
@@ -59,6 +71,17 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
     return true;
 }
 
+bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
+{
+    atomic_size_t *used = &budget->used[SERVER_BUDGET_ANSWERS];
+    size_t part = bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
+    size_t most = budget->limit - budget->limit / part;
+    bool is_within = atomic_fetch_add(used, bytes) + bytes <= most;
+    if (is_within && (try_take(budget, bytes) || take_by_reclaiming(budget, bytes))) return true;
+    atomic_fetch_sub(used, bytes);
+    return false;
+}
+
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
 {
     if (!bytes) return; /* the counters are everybody's: not to be touched for nothing */
@@ -90,7 +113,9 @@ size_t server_budget_available(struct server_budget *budget)
 {
     size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
     size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
-                  atomic_load(&budget->used[SERVER_BUDGET_JOBS]) + atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
+                  atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_RECORDS]) + atomic_load(&budget->used[SERVER_BUDGET_JOBS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
     return held < budget->limit ? budget->limit - held : 0;
 }
 

@@ -16,11 +16,14 @@
 #include <stddef.h>
 
 #include "proto/problem.h"
+#include "proto/writer.h"
 
 enum server_budget_class {
     SERVER_BUDGET_MESHES,
     SERVER_BUDGET_FIELDS,
     SERVER_BUDGET_FLIGHT,
+    SERVER_BUDGET_ANSWERS, /* texts of answers, from their first byte on until the last one is sent: never reclaimed */
+    SERVER_BUDGET_RECORDS, /* what is remembered of surfaces and jobs: never reclaimed */
     SERVER_BUDGET_WORKSPACES, /* idle ones */
     SERVER_BUDGET_LANDMARKS,
     SERVER_BUDGET_DISCRETIZATIONS, /* kept ones */
@@ -45,8 +48,16 @@ struct server_reclaimer {
     void *user;
 };
 
+/* Parts of the budget: what one answer takes at most, what all answers together leave to others, and what they leave when only
+ * small ones are added. */
+#define SERVER_BUDGET_ANSWER_PART        4
+#define SERVER_BUDGET_ANSWERS_PART       2
+#define SERVER_BUDGET_SMALL_ANSWERS_PART 4
+
 struct server_budget {
     size_t limit;
+    size_t largest_answer;               /* bytes */
+    struct proto_writer_account answers; /* takes from SERVER_BUDGET_ANSWERS */
     atomic_size_t total;
     atomic_size_t used[SERVER_BUDGET_CLASSES];
     struct server_reclaimer reclaimers[SERVER_RECLAIM_TURNS]; /* set while nothing takes */
@@ -59,6 +70,10 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 
 /* The same without letting go of anything. */
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes);
+
+/* Takes for an answer: false also when all answers together would pass their part of the budget, so that clients that do not
+ * read what they asked for leave the rest of it to others. */
+bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
 
 /* Gives back what was taken. */
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes);

@@ -18,6 +18,8 @@
 #define SERVER_CATALOGUE_RESOURCES 1024 /* of a key */
 #define SERVER_CATALOGUE_BYTES     ((size_t)16 << 20)
 #define SERVER_CATALOGUE_FORGOTTEN 256
+#define SERVER_CATALOGUE_MEMSIZE                                                                                       \
+    ((SERVER_CATALOGUE_RESOURCES + 1) * sizeof(void *) + SERVER_CATALOGUE_FORGOTTEN * (PROTO_FIELD_ID + 1) + 128)
 
 struct server_resource {
     atomic_uint references;

@@ -42,6 +42,7 @@ struct server_config {
     uint64_t memory_budget;                                         /* bytes */
     uint64_t landmarks;                                             /* of a mesh; 0: none */
     uint64_t max_body;                                              /* bytes */
+    uint64_t max_answer;                                            /* bytes */
     uint64_t max_faces;                                             /* triangles */
     uint64_t timeout_ms;                                            /* most time that a request may take */
     uint64_t drain_ms;                                              /* most time that a shutdown waits for requests */

@@ -121,7 +121,7 @@ void server_exchange_end(struct server_exchange *exchange)
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, exchange->held);
     server_stream_close(exchange->response.stream);
     server_grant_end(&exchange->grant);
-    free(exchange->response.owned);
+    server_reply_drop_body(exchange);
     free(exchange->copies);
     free(exchange->target);
 }
@@ -206,7 +206,9 @@ static struct server_exchange *create_detached(struct server_exchange *exchange,
     struct server_exchange *detached = malloc(sizeof *detached);
     if (!detached) return NULL;
     clear(detached, exchange->server, transport);
-    if (copy_target(detached, exchange) && copy_head(detached, exchange)) return detached;
+    size_t bytes = sizeof *detached + exchange->target_size;
+    if (server_budget_take(&exchange->server->budget, SERVER_BUDGET_FLIGHT, bytes)) detached->held = bytes;
+    if (detached->held && copy_target(detached, exchange) && copy_head(detached, exchange)) return detached;
     server_exchange_destroy(detached);
     return NULL;
 }

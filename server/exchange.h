@@ -48,13 +48,24 @@ struct server_response_header {
     char value[SERVER_HEADER_VALUE];
 };
 
+/* The middle of a body: bytes that are a part of something else, which counts them and stays until it is released. */
+struct server_lent {
+    const void *bytes; /* NULL: there is none, and `body` is all */
+    size_t size;
+    const char *tail; /* static text behind them; "" */
+    void *lender;
+    void (*release)(void *lender);
+};
+
 struct server_response {
     unsigned status; /* 0: not answered yet */
     const char *media_type;
     enum proto_problem_code problem; /* PROTO_PROBLEM_NONE: none */
     const void *body;
     void *owned; /* `body` when it is to be freed, else NULL: it outlives the server */
-    size_t size;
+    struct server_lent lent;
+    size_t size;                  /* of all of it, with what is lent */
+    size_t held;                  /* bytes of SERVER_BUDGET_ANSWERS that are counted for the body until it is freed */
     struct server_stream *stream; /* instead of a body: one that comes as it happens (events.h); NULL: none */
     bool close;                   /* the connection ends with this answer */
     const char *policy;           /* Content-Security-Policy of a page; NULL: the answer is data */

@@ -14,27 +14,6 @@ static bool begin(z_stream *stream)
     return deflateInit2(stream, Z_BEST_SPEED, Z_DEFLATED, GZIP_WINDOW, GZIP_MEMORY, Z_DEFAULT_STRATEGY) == Z_OK;
 }
 
-void *server_gzip(const void *bytes, size_t size, size_t *out_size)
-{
-    if (size > UINT_MAX) return NULL;
-    z_stream stream;
-    if (!begin(&stream)) return NULL;
-    void *out = malloc(size);
-    int status = Z_MEM_ERROR;
-    if (out) {
-        stream.next_in = (Bytef *)bytes;
-        stream.avail_in = (uInt)size;
-        stream.next_out = out;
-        stream.avail_out = (uInt)size;
-        status = deflate(&stream, Z_FINISH);
-        *out_size = stream.total_out;
-    }
-    deflateEnd(&stream);
-    if (status == Z_STREAM_END) return out;
-    free(out);
-    return NULL;
-}
-
 struct server_packer {
     z_stream stream;
 };
@@ -63,7 +42,7 @@ static void pack(z_stream *stream, int flush, struct proto_writer *out)
         stream->avail_out = sizeof block;
         (void)deflate(stream, flush); /* fails only at wrong arguments, or if there is nothing to do */
         proto_append(out, (const char *)block, sizeof block - stream->avail_out);
-    } while (stream->avail_out == 0);
+    } while (stream->avail_out == 0 && !out->failure);
 }
 
 void server_packer_write(struct server_packer *packer, const char *text, size_t size, bool is_last,
@@ -76,5 +55,14 @@ void server_packer_write(struct server_packer *packer, const char *text, size_t 
         text += stream->avail_in;
         size -= stream->avail_in;
         pack(stream, size ? Z_NO_FLUSH : is_last ? Z_FINISH : Z_SYNC_FLUSH, out);
-    } while (size);
+    } while (size && !out->failure);
+}
+
+bool server_gzip(const void *bytes, size_t size, struct proto_writer *out)
+{
+    struct server_packer packer;
+    if (!begin(&packer.stream)) return false;
+    server_packer_write(&packer, bytes, size, true, out);
+    deflateEnd(&packer.stream);
+    return !out->failure;
 }

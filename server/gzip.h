@@ -7,9 +7,9 @@
 
 #include "proto/writer.h"
 
-/* Compresses `size` bytes fast rather than small. The caller frees the result; *out_size bytes. NULL without
- * memory, or when the result would be no smaller. */
-void *server_gzip(const void *bytes, size_t size, size_t *out_size);
+/* Compresses `size` bytes fast rather than small. False without memory, or when `out` fails, whose maximum tells how small
+ * the result is to be. */
+bool server_gzip(const void *bytes, size_t size, struct proto_writer *out);
 
 /* A text of unknown length. NULL without memory. */
 struct server_packer;

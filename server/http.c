@@ -47,8 +47,10 @@
 #define LONG_ANSWER                                                                                                    \
     65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the library's */
 #define SPARE_DESCRIPTORS 64u
-#define GONE_INTERVAL_NS  UINT64_C(20000000) /* between two looks at a client's socket */
-#define STREAM_BLOCK      1024               /* bytes of a stream that are asked for at a time */
+#define GONE_INTERVAL_NS  UINT64_C(20000000)  /* between two looks at a client's socket */
+#define STREAM_BLOCK      1024                /* bytes of a stream that are asked for at a time */
+#define LARGE_ANSWER      ((size_t)1 << 20)   /* bytes, */
+#define LARGE_BLOCK       ((size_t)128 << 10) /* which are handed on so many at a time */
 
 enum phase { PHASE_HEAD, PHASE_BODY, PHASE_PARKED, PHASE_DONE };
 
@@ -258,8 +260,38 @@ static struct MHD_Response *make_streamed(struct call *call)
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, call, NULL);
 }
 
+/* Copies what the body has from `position` on: its own text, what is lent, what stands behind that. */
+static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
+{
+    const struct server_response *reply = user;
+    const struct server_lent *lent = &reply->lent;
+    size_t tail = lent->bytes ? strlen(lent->tail) : 0;
+    const struct {
+        const char *bytes;
+        size_t size;
+    } parts[] = {{reply->body, reply->size - lent->size - tail}, {lent->bytes, lent->size}, {lent->tail, tail}};
+    for (int i = 0; i < 3; i++) {
+        size_t left = position < parts[i].size ? parts[i].size - (size_t)position : 0;
+        if (left) {
+            size_t copied = size < left ? size : left;
+            memcpy(bytes, parts[i].bytes + position, copied);
+            return (ssize_t)copied;
+        }
+        position -= parts[i].size;
+    }
+    return MHD_CONTENT_READER_END_OF_STREAM;
+}
+
+/* A large body is handed on block by block: one that the kernel is given as a whole takes it milliseconds, in which the thread's other
+ * connections wait. It stays the exchange's. */
+static struct MHD_Response *make_large(struct server_response *reply)
+{
+    return MHD_create_response_from_callback(reply->size, LARGE_BLOCK, on_body, reply, NULL);
+}
+
 static struct MHD_Response *make_whole(struct server_response *reply)
 {
+    if (reply->lent.bytes || reply->size >= LARGE_ANSWER) return make_large(reply);
     struct MHD_Response *response =
         reply->owned ? MHD_create_response_from_buffer_with_free_callback(reply->size, reply->owned, free)
                      : MHD_create_response_from_buffer(reply->size, (void *)reply->body, MHD_RESPMEM_PERSISTENT);

@@ -9,7 +9,7 @@ struct server_kept {
     struct proto_job_answer answer; /* its pointers live as long as this struct stays where it is */
     struct proto_job_header headers[SERVER_RESPONSE_HEADERS];
     char *values; /* of the headers */
-    void *owned;  /* the body, if it is to be freed; NULL: it outlives the server */
+    void *owned; /* the body, if it is to be freed; NULL: it outlives the server. Its memory is its keeper's to count */
 };
 
 /* Takes the answer over before it is sealed (reply.h): its body, and those of its headers that are true of it alone. False

@@ -161,4 +161,5 @@ const struct server_kind server_kind_mesh = {
     .build = build,
     .release = release,
     .describe = describe,
+    .shorten = proto_mesh_shorten,
 };

@@ -348,8 +348,9 @@ static void write_jobs(struct server *server, struct proto_writer *writer)
 
 static void write_memory(struct server *server, struct proto_writer *writer)
 {
-    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",    "fields",          "flight", "workspaces",
-                                                             "landmarks", "discretizations", "jobs",   "spare"};
+    static const char *const names[SERVER_BUDGET_CLASSES] = {"meshes",  "fields",     "flight",    "answers",
+                                                             "records", "workspaces", "landmarks", "discretizations",
+                                                             "jobs",    "spare"};
     write_one(writer, "memory_budget_bytes", "gauge", "The memory budget.", (double)server->budget.limit);
     write_head(writer, "memory_bytes", "gauge", "Bytes of the budget in use, by what holds them.");
     for (int i = 0; i < SERVER_BUDGET_CLASSES; i++)

@@ -15,6 +15,7 @@
 #define FIRST_VERSION "1" /* has no kinds, tenants, attachments */
 #define HEX_DIGITS    "0123456789abcdef"
 #define CHECKSUM_LINE (sizeof "checksum \n" - 1 + SERVER_SHA256_HEX - 1)
+#define SLOT_BYTES    128 /* of the registry, for each */
 #define ETAG_TEXT     (2 * SERVER_SHA256_HEX + SERVER_OPTIONS + SERVER_KEY_WORD + SERVER_TENANT + 64)
 
 /* --- life --------------------------------------------------------------------------------------------------------- */
@@ -61,6 +62,27 @@ struct server_record *server_record_create(const struct server_origin *origin)
     return record;
 }
 
+/* With what the registry has for it. */
+static size_t bytes_of(const struct server_record *record)
+{
+    return sizeof *record + SLOT_BYTES + (record->description ? strlen(record->description) + 1 : 0);
+}
+
+bool server_record_take(struct server_record *record, struct server_budget *budget)
+{
+    if (record->budget) return true;
+    if (!server_budget_take(budget, SERVER_BUDGET_RECORDS, bytes_of(record))) return false;
+    record->budget = budget;
+    return true;
+}
+
+void server_record_count(struct server_record *record, struct server_budget *budget)
+{
+    if (record->budget || !budget) return;
+    server_budget_adjust(budget, SERVER_BUDGET_RECORDS, 0, bytes_of(record));
+    record->budget = budget;
+}
+
 struct server_record *server_record_retain(struct server_record *record)
 {
     atomic_fetch_add(&record->references, 1);
@@ -70,6 +92,8 @@ struct server_record *server_record_retain(struct server_record *record)
 void server_record_release(struct server_record *record)
 {
     if (!record || atomic_fetch_sub(&record->references, 1) != 1) return;
+    size_t catalogue = atomic_load(&record->catalogue) ? SERVER_CATALOGUE_MEMSIZE : 0;
+    if (record->budget) server_budget_give(record->budget, SERVER_BUDGET_RECORDS, bytes_of(record) + catalogue);
     server_catalogue_destroy(atomic_load(&record->catalogue));
     free(record->description);
     free(record);
@@ -85,7 +109,11 @@ struct server_catalogue *server_record_catalogue(struct server_record *record)
     struct server_catalogue *catalogue = atomic_load(&record->catalogue), *none = NULL;
     if (catalogue) return catalogue;
     catalogue = server_catalogue_create();
-    if (!catalogue || atomic_compare_exchange_strong(&record->catalogue, &none, catalogue)) return catalogue;
+    if (!catalogue) return NULL;
+    if (atomic_compare_exchange_strong(&record->catalogue, &none, catalogue)) {
+        if (record->budget) server_budget_adjust(record->budget, SERVER_BUDGET_RECORDS, 0, SERVER_CATALOGUE_MEMSIZE);
+        return catalogue;
+    }
     server_catalogue_destroy(catalogue);
     return none; /* another was quicker */
 }
@@ -222,7 +250,9 @@ static bool read_lines(struct server_record *record, char *rest, bool is_first)
     if (!read_options(record, next_line(&rest, "options "))) return false;
     const char *description = next_line(&rest, "description ");
     if (!description) return false;
-    record->description = strdup(description);
+    bool is_long = strlen(description) > SERVER_DESCRIPTION_USUAL;
+    if (is_long && record->kind->shorten) record->description = record->kind->shorten(description);
+    if (!record->description) record->description = strdup(description);
     complete(record);
     return true;
 }

@@ -30,12 +30,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "server/budget.h"
 #include "server/key.h"
 #include "server/options.h"
 #include "server/sha256.h"
 
 #define SERVER_ETAG   33                                      /* with the NUL */
 #define SERVER_OBJECT (SERVER_SHA256_HEX + SERVER_TENANT + 1) /* bytes of an object's id, with the NUL */
+
+#define SERVER_DESCRIPTION_MOST ((size_t)1 << 20) /* bytes */
+#define SERVER_DESCRIPTION_USUAL                                                                                       \
+    ((size_t)16 << 10) /* a longer one that is read is shortened, if its kind can do that */
 
 struct server_catalogue;
 
@@ -52,7 +57,8 @@ struct server_record {
     char options[SERVER_OPTIONS];
     uint64_t memory;
     int64_t created;
-    char *description; /* JSON, NUL-terminated, one line, owned */
+    char *description;            /* JSON, NUL-terminated, one line, owned */
+    struct server_budget *budget; /* that counts it; NULL: none does */
 };
 
 /* What a record is made of; all strings are borrowed. */
@@ -68,6 +74,11 @@ struct server_origin {
 /* A record that is created now; memory and description are for the caller to fill in. The caller has one reference. NULL
  * without memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
+
+/* Counts its memory as SERVER_BUDGET_RECORDS until it is released; a record that is counted already is not counted again. Before it is
+ * shared. The first is false if there is no room; the second counts what is there, past the limit if need be. */
+bool server_record_take(struct server_record *record, struct server_budget *budget);
+void server_record_count(struct server_record *record, struct server_budget *budget);
 
 struct server_record *server_record_retain(struct server_record *record);
 void server_record_release(struct server_record *record); /* NULL is harmless */

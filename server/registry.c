@@ -90,12 +90,13 @@ struct server_registry *server_registry_create(struct server_store *store, struc
     registry->store = store;
     registry->budget = budget;
     registry->writer = server_workers_create(1, UINT32_MAX);
+    registry->reader = server_workers_create(1, UINT32_MAX);
     pthread_mutex_init(&registry->writing, NULL);
     pthread_mutex_init(&registry->following, NULL);
     pthread_rwlock_init(&registry->lock, NULL);
     registry->is_incomplete = store->each(store, on_stored, registry) != SERVER_STORE_DONE || registry->is_incomplete;
     server_slots_sort(registry);
-    if (registry->is_incomplete || !registry->writer || !server_slots_start_follower(registry)) {
+    if (registry->is_incomplete || !registry->writer || !registry->reader || !server_slots_start_follower(registry)) {
         server_registry_destroy(registry);
         return NULL;
     }
@@ -110,6 +111,7 @@ void server_registry_destroy(struct server_registry *registry)
     if (!registry) return;
     server_slots_stop_follower(registry);
     server_workers_destroy(registry->writer);
+    server_workers_destroy(registry->reader);
     registry->budget->reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){0};
     registry->budget->reclaimers[SERVER_RECLAIM_MESHES] = (struct server_reclaimer){0};
     for (uint32_t i = 0; i < registry->count; i++) server_slot_destroy(registry->slots[i]);

@@ -36,6 +36,10 @@ void server_registry_destroy(struct server_registry *registry); /* NULL is harml
  * requests has admitted them. */
 void server_registry_submit(struct server_registry *registry, struct server_job *job);
 
+/* Has a job run that makes a list, of whatever: by a thread of its own, so that lists neither keep an HTTP thread nor wait for
+ * long work. In the order in which they come, however many; they are short, so the daemon's drain waits for them. */
+void server_registry_submit_list(struct server_registry *registry, struct server_job *job);
+
 /* Refuses the jobs that are late; all of them, and those that come. */
 void server_registry_expire(struct server_registry *registry, uint64_t now_ns);
 void server_registry_cancel(struct server_registry *registry);

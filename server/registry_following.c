@@ -24,10 +24,12 @@ static void see_off(struct server_registry *registry, struct departure *departur
     server_record_release(departure->record);
 }
 
-static void replace(struct server_slot *slot, const struct server_store_change *change, struct departure *before)
+static void replace(const struct server_registry *registry, struct server_slot *slot,
+                    const struct server_store_change *change, struct departure *before)
 {
     *before = (struct departure){slot->record, slot->surface};
     slot->record = server_record_retain(change->record);
+    server_record_count(change->record, registry->budget);
     slot->surface = NULL;
     slot->version = change->version;
 }
@@ -37,6 +39,7 @@ static bool insert(struct server_registry *registry, const struct server_store_c
 {
     struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(change->record) : NULL;
     if (!slot) return false;
+    server_record_count(change->record, registry->budget);
     slot->version = change->version;
     server_slots_insert(registry, slot);
     return true;
@@ -56,7 +59,7 @@ static bool apply(struct server_registry *registry, const struct server_key *key
     struct server_slot *slot = server_slots_find(registry, key);
     if (slot && slot->version >= change->version) return true;
     if (slot && change->record)
-        replace(slot, change, before);
+        replace(registry, slot, change, before);
     else if (slot)
         extract(registry, key, before);
     else if (change->record)
@@ -127,7 +130,7 @@ static void destroy_slots(struct server_registry *registry, struct server_regist
 /* The store does not know any more what was changed: after a long absence, or when a backup was put in its place. */
 static enum server_store_outcome begin_anew(struct server_registry *registry)
 {
-    struct server_registry fresh = {0};
+    struct server_registry fresh = {.budget = registry->budget};
     enum server_store_outcome outcome = registry->store->each(registry->store, on_stored, &fresh);
     if (!outcome) {
         server_slots_sort(&fresh);

@@ -65,6 +65,7 @@ bool server_slots_append(struct server_registry *registry, const struct server_s
 {
     struct server_slot *slot = server_slots_reserve(registry) ? server_slot_create(stored->record) : NULL;
     if (!slot) return false;
+    server_record_count(stored->record, registry->budget);
     slot->uses = slot->noted = stored->uses.count;
     slot->last = stored->uses.last;
     slot->version = stored->version;

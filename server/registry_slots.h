@@ -24,6 +24,7 @@ struct server_registry {
     struct server_store *store;
     struct server_budget *budget;
     struct server_workers *writer; /* of one thread */
+    struct server_workers *reader; /* of one thread, which makes lists */
     pthread_mutex_t writing;
     pthread_rwlock_t lock;
     struct server_slot **slots; /* sorted by key */

@@ -23,11 +23,17 @@ void server_registry_submit(struct server_registry *registry, struct server_job 
 void server_registry_expire(struct server_registry *registry, uint64_t now_ns)
 {
     server_workers_expire(registry->writer, now_ns);
+    server_workers_expire(registry->reader, now_ns);
 }
 
 void server_registry_cancel(struct server_registry *registry)
 {
     server_workers_cancel(registry->writer);
+}
+
+void server_registry_submit_list(struct server_registry *registry, struct server_job *job)
+{
+    (void)server_workers_submit(registry->reader, job); /* its queue is never full */
 }
 
 /* Under the writer lock: what the key has, retained; false: nothing. Another daemon may change it at any time, this one can't. */
@@ -161,6 +167,7 @@ enum server_store_outcome server_registry_put(struct server_registry *registry, 
     const struct server_content content = content_of(surface, bytes);
     struct server_slot *before = NULL;
     enum server_store_outcome outcome = SERVER_STORE_STALE;
+    if (!server_record_take(surface->record, registry->budget)) return SERVER_STORE_NO_MEMORY;
     pthread_mutex_lock(&registry->writing);
     for (int i = 0; i < DECISIONS && outcome == SERVER_STORE_STALE; i++)
         outcome = put_under_lock(registry, surface, &content, precondition, &before);

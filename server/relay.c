@@ -36,9 +36,11 @@ struct server_relay *server_relay_create(struct server *server, bool is_packed)
     relay->server = server;
     relay->references = 1;
     pthread_mutex_init(&relay->lock, NULL);
-    proto_writer_init(&relay->waiting, SERVER_REPLY_MOST);
+    proto_writer_init(&relay->waiting, server->budget.largest_answer + SERVER_RELAY_MOST);
+    relay->waiting.account = &server->budget.answers;
+    proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST);
     if (is_packed) relay->packer = server_packer_create();
-    if (!is_packed || relay->packer) return relay;
+    if (!relay->waiting.failure && (!is_packed || relay->packer)) return relay;
     server_relay_release(relay);
     return NULL;
 }

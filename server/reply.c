@@ -12,7 +12,8 @@
 #include "server/gzip.h"
 #include "server/server.h"
 
-#define GZIP_FROM    1025 /* bytes: smaller ones fit into a packet anyway */
+#define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */
+#define PROBLEM_MOST 65536 /* bytes of a problem's text: far more than any has */
 #define JSON         "application/json"
 #define PROBLEM_JSON "application/problem+json"
 #define EXPOSED_HEADERS                                                                                                \
@@ -68,10 +69,65 @@ void server_reply_tag(struct server_exchange *exchange, const char *etag)
     add_header(&exchange->response, "ETag", quoted);
 }
 
+void server_reply_drop_body(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    free(response->owned);
+    if (response->lent.bytes) response->lent.release(response->lent.lender);
+    server_budget_give(&exchange->server->budget, SERVER_BUDGET_ANSWERS, response->held);
+    response->owned = NULL;
+    response->body = response->lent.bytes = NULL;
+    response->size = response->held = 0;
+}
+
+void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
+{
+    const struct server_budget *budget = &exchange->server->budget;
+    proto_writer_init(writer, budget->largest_answer);
+    writer->account = &budget->answers;
+}
+
+/* Counts a body of that size as an answer's: what is counted as work in flight for it is not any more. */
+static bool hold_answer(struct server_exchange *exchange, size_t size, struct proto_problem *problem)
+{
+    struct server_budget *budget = &exchange->server->budget;
+    struct proto_writer counting = {.maximum = budget->largest_answer};
+    size_t counted = proto_writer_counted(size), flight = size < exchange->held ? size : exchange->held;
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, flight);
+    exchange->held -= flight;
+    if (size > budget->largest_answer)
+        counting.failure = PROTO_WRITER_TOO_LARGE;
+    else if (counted && !server_budget_take_answer(budget, counted))
+        counting.failure = PROTO_WRITER_NO_ROOM;
+    else
+        exchange->response.held = counted;
+    return proto_writer_check(&counting, problem);
+}
+
+void *server_reply_allocate(struct server_exchange *exchange, size_t size)
+{
+    struct proto_problem problem;
+    bool is_held = hold_answer(exchange, size, &problem);
+    void *bytes = is_held ? malloc(size ? size : 1) : NULL;
+    if (bytes) return bytes;
+    if (is_held) {
+        server_reply_drop_body(exchange);
+        (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
+    }
+    server_reply_problem(exchange, &problem);
+    return NULL;
+}
+
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size)
 {
-    set_body(exchange, status, media_type, bytes, bytes, size);
+    struct proto_problem problem;
+    if (exchange->response.held || hold_answer(exchange, size, &problem)) {
+        set_body(exchange, status, media_type, bytes, bytes, size);
+        return;
+    }
+    free(bytes);
+    server_reply_problem(exchange, &problem);
 }
 
 void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
@@ -86,6 +142,18 @@ void server_reply_empty(struct server_exchange *exchange, unsigned status)
     set_body(exchange, status, NULL, NULL, NULL, 0);
 }
 
+/* The text of a writer that has not failed. That of one without an account is counted even past the limit. */
+static void set_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+                     struct proto_writer *writer)
+{
+    size_t size = 0;
+    bool is_counted = writer->account != NULL;
+    char *text = proto_writer_take(writer, &size);
+    exchange->response.held = proto_writer_counted(size);
+    if (!is_counted) server_budget_adjust(&exchange->server->budget, SERVER_BUDGET_ANSWERS, 0, exchange->response.held);
+    set_body(exchange, status, media_type, text, text, size);
+}
+
 void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *writer)
 {
@@ -95,9 +163,19 @@ void server_reply_text(struct server_exchange *exchange, unsigned status, const 
         server_reply_problem(exchange, &problem);
         return;
     }
-    size_t size = 0;
-    char *text = proto_writer_take(writer, &size);
-    server_reply_bytes(exchange, status, media_type, text, size);
+    set_text(exchange, status, media_type, writer);
+}
+
+void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *head, const struct server_lent *lent)
+{
+    server_reply_text(exchange, status, media_type, head);
+    if (exchange->response.problem != PROTO_PROBLEM_NONE) {
+        lent->release(lent->lender);
+        return;
+    }
+    exchange->response.lent = *lent;
+    exchange->response.size += lent->size + strlen(lent->tail);
 }
 
 void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer)
@@ -110,7 +188,7 @@ void server_reply_problem(struct server_exchange *exchange, const struct proto_p
 {
     struct proto_writer writer;
     size_t size = 0;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, PROBLEM_MOST);
     proto_problem_encode(&writer, problem);
     char *text = proto_writer_take(&writer, &size);
     proto_writer_free(&writer);
@@ -204,18 +282,11 @@ static void name_packed_form(struct server_response *response)
     header->size = strlen(header->value);
 }
 
-static void drop_body(struct server_response *response)
-{
-    free(response->owned);
-    response->owned = NULL;
-    response->body = NULL;
-    response->size = 0;
-}
-
 /* The client has the body already: the answer goes without, under the tag of the form that he has. */
-static void reply_known(struct server_response *response, enum server_etag_form form)
+static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
 {
-    drop_body(response);
+    struct server_response *response = &exchange->response;
+    server_reply_drop_body(exchange);
     response->status = 304;
     response->media_type = NULL;
     if (form == SERVER_ETAG_PACKED) name_packed_form(response);
@@ -232,31 +303,35 @@ static void apply_conditions(struct server_exchange *exchange)
     const struct server_precondition precondition = server_precondition_read(exchange);
     enum server_etag_form known = server_precondition_known(&precondition, tag);
     if (!server_precondition_matches(&precondition, tag)) {
-        drop_body(response);
+        server_reply_drop_body(exchange);
         server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
                              "the resource is not in the version that If-Match names; get its ETag and try again");
     } else if (known) {
-        reply_known(response, known);
+        reply_known(exchange, known);
     }
 }
 
 /* PNG is packed already. */
 static bool is_packable(const struct server_response *response)
 {
-    return response->owned && response->size >= GZIP_FROM && strcmp(response->media_type, "image/png") != 0;
+    return response->owned && !response->lent.bytes && response->size >= GZIP_FROM &&
+           strcmp(response->media_type, "image/png") != 0;
 }
 
 static void compress(struct server_exchange *exchange)
 {
     struct server_response *response = &exchange->response;
-    size_t size;
+    struct proto_writer packed;
     if (!is_packable(response) || !server_reply_takes_gzip(exchange)) return;
-    void *compressed = server_gzip(response->body, response->size, &size);
-    if (!compressed) return;
-    drop_body(response);
-    response->body = response->owned = compressed;
-    response->size = size;
-    add_header(&exchange->response, "Content-Encoding", "gzip");
+    server_reply_writer(exchange, &packed);
+    packed.maximum = response->size - 1;
+    if (!server_gzip(response->body, response->size, &packed)) {
+        proto_writer_free(&packed); /* it goes as it is */
+        return;
+    }
+    server_reply_drop_body(exchange);
+    set_text(exchange, response->status, response->media_type, &packed);
+    add_header(response, "Content-Encoding", "gzip");
 }
 
 /* What a page of a listed origin may see of the answer. Caches keep the answers to different origins apart. */

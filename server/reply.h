@@ -6,7 +6,8 @@
 #include "proto/writer.h"
 #include "server/exchange.h"
 
-#define SERVER_REPLY_MOST (UINT64_C(1) << 30) /* bytes of an answer: a writer's maximum */
+/* Begins the text of an answer: of --max-answer bytes at most, in the memory budget from its first byte on. */
+void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer);
 
 /* Adds a response header, cut to SERVER_HEADER_VALUE. `name` is static. */
 void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
@@ -21,7 +22,11 @@ void server_reply_json(struct server_exchange *exchange, unsigned status, struct
 void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *writer);
 
-/* Bytes made by malloc, which become the exchange's. */
+/* Memory for an answer of so many bytes, to be handed to server_reply_bytes. NULL with a problem replied. */
+void *server_reply_allocate(struct server_exchange *exchange, size_t size);
+
+/* Bytes made by malloc, which become the exchange's. What the exchange holds for them (`held`) is counted as the answer's from now
+ * on, the rest is taken. A problem is replied, and the bytes are freed, if there are too many. */
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size);
 
@@ -35,6 +40,13 @@ void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 
 /* A static file, in its compressed form where the client takes it. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
+
+/* What the writer holds (nothing, perhaps), then what is lent, which is neither copied nor packed. */
+void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *head, const struct server_lent *lent);
+
+/* Frees the body, or gives it back to its lender, and gives its memory back. */
+void server_reply_drop_body(struct server_exchange *exchange);
 
 void server_reply_empty(struct server_exchange *exchange, unsigned status);
 void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem);

@@ -118,6 +118,7 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     const struct server_config *config = &server->config;
     server->guard.config = config;
     server_budget_init(&server->budget, config->memory_budget);
+    if (config->max_answer < server->budget.largest_answer) server->budget.largest_answer = config->max_answer;
     if (!set_spare_aside(server)) return false;
     server->workspaces = server_workspaces_create(&server->budget, (uint32_t)config->workers);
     server->workers = server_workers_create((uint32_t)config->workers, (uint32_t)config->queue_length);

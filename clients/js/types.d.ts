@@ -423,6 +423,12 @@ export type Field = {
   max_distance?: (number | null);
 };
 
+export type BoundaryList = {
+  boundaries: BoundaryLoop[];
+  /** `after` of the next page; `null`: this is the last. */
+  next: (string | null);
+};
+
 export type FieldList = {
   fields: Field[];
   /** `after` of the next page; `null`: this is the last. */
@@ -811,6 +817,11 @@ export type MeshList = {
   next: (string | null);
 };
 
+export type BoundaryLoop = {
+  vertices: Count;
+  length: number;
+};
+
 export type Mesh = {
   name: Name;
   /** Of the uploaded bytes. */
@@ -823,10 +834,10 @@ export type Mesh = {
   faces: number;
   edges: Count;
   components: Count;
-  boundaries: Array<{
-    vertices: Count;
-    length: number;
-  }>;
+  /** Boundary loops. Not there while the mesh is not in memory and was stored by a version before this member. */
+  boundary_count?: number;
+  /** The first of them; `/v1/meshes/{name}/boundaries` lists all. */
+  boundaries: BoundaryLoop[];
   euler_characteristic: number;
   /** Sum over the components. */
   genus: number;
@@ -1321,6 +1332,8 @@ export type Service = {
     max_faces: Count;
     timeout_ms: Count;
     memory_budget_bytes: Count;
+    /** Of an answer that is not a stream. */
+    max_answer_bytes: Count;
     workers: Count;
   };
   capabilities: {

@@ -117,25 +117,12 @@ static bool admit(const struct batch *batch, struct proto_problem *problem)
     return proto_problem_limit(problem, ANSWER_MOST);
 }
 
-/* Counts what the answer holds by now. */
-static bool hold(struct batch *batch, struct proto_problem *problem)
-{
-    struct server_budget *budget = &batch->exchange->server->budget;
-    size_t bytes = batch->writer.capacity + (batch->relay ? SERVER_RELAY_MOST : 0);
-    size_t more = bytes > batch->exchange->held ? bytes - batch->exchange->held : 0;
-    if (!proto_writer_check(&batch->writer, problem)) return false;
-    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, more))
-        return server_budget_refuse(budget, "the answer", more, problem);
-    batch->exchange->held += more;
-    return true;
-}
-
 static void end_line(struct batch *batch, bool ok, struct proto_problem *problem)
 {
     if (ok) {
         server_query_encode(batch->query, &batch->writer);
         proto_batch_end(&batch->writer, batch->begin);
-        ok = hold(batch, problem);
+        ok = proto_writer_check(&batch->writer, problem);
     }
     if (!ok) proto_batch_refuse(&batch->writer, batch->begin, &batch->line, problem);
     server_query_destroy(batch->query);
@@ -234,8 +221,6 @@ static void move_to(struct batch *batch, struct server_exchange *rest)
     rest->job.deadline_ns = exchange->job.deadline_ns;
     rest->job.refuse = refuse;
     rest->work = exchange->work;
-    rest->held = exchange->held;
-    exchange->held = 0;
     server_exchange_keep(rest, batch, free_batch);
     server_exchange_keep(exchange, NULL, NULL);
     batch->exchange = rest;
@@ -291,7 +276,7 @@ static void reply(struct batch *batch)
     struct server_exchange *exchange = batch->exchange;
     if (batch->relay) {
         hand_on(batch);
-        batch->has_answered_all = true;
+        batch->has_answered_all = !batch->writer.failure;
         server_reply_empty(exchange, 200);
         return;
     }
@@ -354,7 +339,7 @@ void server_handle_batch(struct server_exchange *exchange)
         return;
     }
     *batch = (struct batch){.exchange = exchange, .surface = surface};
-    proto_writer_init(&batch->writer, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &batch->writer);
     server_exchange_keep(exchange, batch, free_batch);
     server_exchange_shorten(exchange, options.timeout_ms);
     server_exchange_defer(exchange, work, NULL);

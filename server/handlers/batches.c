@@ -19,7 +19,6 @@
 
 #define BATCHES_MOST 1000 /* of a tenant */
 #define READ_AT_ONCE 16
-#define PAGE_BYTES   ((size_t)16 << 20) /* of answers on a page, after which it ends */
 
 /* --- steps, each replies when it fails ---------------------------------------------------------------------------- */
 
@@ -54,15 +53,6 @@ static bool find_batch(struct server_exchange *exchange, struct server_store_sql
     return check(exchange, id[0] ? server_batch_queue_find(sql, exchange->tenant, id, out) : SERVER_STORE_ABSENT);
 }
 
-static bool read_page(struct server_exchange *exchange, struct proto_page *page)
-{
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
-    if (proto_page_parse(&parameters, page, &problem)) return true;
-    server_reply_problem(exchange, &problem);
-    return false;
-}
-
 static struct proto_many_state state_of(const struct server_batch *batch)
 {
     return (struct proto_many_state){.id = batch->id,
@@ -77,7 +67,7 @@ static void reply_batch(struct server_exchange *exchange, unsigned status, const
 {
     struct proto_writer writer;
     const struct proto_many_state state = state_of(batch);
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &writer);
     proto_many_encode(&writer, &state);
     server_reply_json(exchange, status, &writer);
 }
@@ -172,7 +162,7 @@ static bool list(struct server_exchange *exchange)
     struct proto_writer writer;
     uint32_t count = 0;
     struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !read_page(exchange, &page)) return true;
+    if (!sql || !server_request_page(exchange, &page)) return true;
     struct server_batch *batches = calloc(page.limit + 1, sizeof *batches);
     enum server_store_outcome outcome =
         batches ? server_batch_queue_list(sql, exchange->tenant, page.after ? page.after : "", page.limit + 1, batches,
@@ -180,7 +170,7 @@ static bool list(struct server_exchange *exchange)
                 : SERVER_STORE_NO_MEMORY;
     if (check(exchange, outcome)) {
         uint32_t shown = count < page.limit ? count : page.limit;
-        proto_writer_init(&writer, SERVER_REPLY_MOST);
+        server_reply_writer(exchange, &writer);
         proto_page_begin(&writer, "batches");
         for (uint32_t i = 0; i < shown; i++) {
             const struct proto_many_state state = state_of(&batches[i]);
@@ -227,7 +217,7 @@ static bool on_answer(void *user, const struct server_sql_value *row)
 {
     struct answers *answers = user;
     answers->seen++;
-    answers->is_cut = answers->count == answers->most || answers->writer.size > PAGE_BYTES;
+    answers->is_cut = answers->count == answers->most || answers->writer.size > PROTO_PAGE_BYTES;
     if (answers->is_cut) return false;
     answers->count++;
     answers->last = row[0].integer;
@@ -262,13 +252,10 @@ static bool read_many(struct server_exchange *exchange, struct server_store_sql 
 }
 
 /* The cursor of a page of answers: a number of an item. */
-static bool read_cursor(struct server_exchange *exchange, const char *after, int64_t *out)
+static bool read_cursor(struct server_exchange *exchange, const struct proto_page *page, int64_t *out)
 {
-    char *end = NULL;
-    *out = after ? strtoll(after, &end, 10) : -1;
-    if (!after || (end != after && !*end && *out >= 0)) return true;
     struct proto_problem problem;
-    (void)proto_problem_refuse(&problem, "after", "write the number of an item, as `next` of the page before has it");
+    if (proto_page_number(page, out, &problem)) return true;
     server_reply_problem(exchange, &problem);
     return false;
 }
@@ -276,15 +263,14 @@ static bool read_cursor(struct server_exchange *exchange, const char *after, int
 static void reply_answers(struct server_exchange *exchange, struct server_store_sql *sql, const char *id,
                           struct answers *answers)
 {
-    char next[24];
-    proto_writer_init(&answers->writer, SERVER_REPLY_MOST);
+    char next[PROTO_PAGE_NUMBER];
+    server_reply_writer(exchange, &answers->writer);
     proto_page_begin(&answers->writer, "results");
     if (!check(exchange, show_answers(sql, id, answers))) {
         proto_writer_free(&answers->writer);
         return;
     }
-    snprintf(next, sizeof next, "%lld", (long long)answers->last);
-    proto_page_end(&answers->writer, answers->is_cut ? next : NULL);
+    proto_page_end(&answers->writer, answers->is_cut ? proto_page_write_number(answers->last, next) : NULL);
     server_reply_json(exchange, 200, &answers->writer);
 }
 
@@ -294,7 +280,7 @@ static bool get_results(struct server_exchange *exchange)
     struct server_batch batch;
     struct proto_page page;
     struct server_store_sql *sql = open_queue(exchange);
-    if (!sql || !read_page(exchange, &page) || !read_cursor(exchange, page.after, &answers.last)) return true;
+    if (!sql || !server_request_page(exchange, &page) || !read_cursor(exchange, &page, &answers.last)) return true;
     if (!find_batch(exchange, sql, &batch) || !read_many(exchange, sql, batch.id, &answers.many)) return true;
     answers.most = page.limit;
     reply_answers(exchange, sql, batch.id, &answers);

@@ -161,7 +161,7 @@ static enum server_query_turn write_answer(struct cut *cut, struct proto_problem
     for (uint32_t i = 0; i < cut->cut.piece_count && !status; i++) {
         const char *name = cut->select_only ? NULL : cut->making.made[i].surface->record->name;
         proto_cut_piece_encode(&cut->query.draft, &cut->cut.pieces[i], name, fields);
-        status = server_query_hold_draft(&cut->query);
+        status = server_query_check_draft(&cut->query);
     }
     proto_cut_end(&cut->query.draft, &cut->cut, fields);
     return server_query_end_draft(&cut->query, status, "the answer", problem);

@@ -21,7 +21,7 @@ bool server_description_remember(struct server_surface *surface)
     struct server_record *record = surface->record;
     struct proto_writer writer;
     size_t size = 0;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, SERVER_DESCRIPTION_MOST);
     record->kind->describe(&writer, surface);
     proto_append(&writer, "", 1); /* the NUL */
     record->description = proto_writer_take(&writer, &size);
@@ -38,7 +38,7 @@ void server_description_tag(struct server_exchange *exchange, const struct serve
 void server_description_reply(struct server_exchange *exchange, unsigned status, const struct server_listed *listed)
 {
     struct proto_writer writer;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &writer);
     server_description_write(&writer, listed);
     server_description_tag(exchange, listed->record);
     server_reply_json(exchange, status, &writer);

@@ -102,7 +102,7 @@ static enum gd_status write_result(struct server_evaluation *evaluation, const s
     if (!status) {
         proto_result_encode(&evaluation->field.query.draft, evaluation->points.mesh, evaluation->field.set, &result,
                             evaluation->wanted, evaluation->field.query.options.geometry);
-        status = server_query_hold_draft(&evaluation->field.query);
+        status = server_query_check_draft(&evaluation->field.query);
     }
     gd_path_free(&path);
     return status;

@@ -112,7 +112,7 @@ static bool write_path(struct exp_map *map, uint32_t i, struct proto_problem *pr
     if (map->query.options.fields & PROTO_EXP_FIELD_PATHS)
         proto_trace_encode(&map->query.draft, mesh, &trace, map->query.options.geometry);
     gd_trace_free(&trace);
-    status = server_query_hold_draft(&map->query);
+    status = server_query_check_draft(&map->query);
     if (!status) status = gd_control_check(&control, 1);
     return !status || fail(map, status, &detail, problem);
 }

@@ -12,7 +12,6 @@
 #include "server/handlers/result.h"
 #include "server/reply.h"
 
-#define BYTES_A_NUMBER 24    /* of the answer's text, at most */
 #define QUICK_VERTICES 10000 /* as many as an HTTP thread may write */
 #define WHAT           "the answer"
 
@@ -31,7 +30,7 @@ static uint32_t value_count(const struct server_query *query)
 static enum gd_status reserve_values(struct values *values)
 {
     size_t count = value_count(&values->field.query);
-    enum gd_status status = server_query_take(&values->field.query, count * (sizeof *values->values + BYTES_A_NUMBER));
+    enum gd_status status = server_query_take(&values->field.query, count * sizeof *values->values);
     if (status) return status;
     values->values = malloc(count * sizeof *values->values);
     return values->values ? GD_OK : GD_NO_MEMORY;
@@ -67,19 +66,17 @@ static void encode_values(const struct server_query *query, struct proto_writer 
 }
 
 /* Little-endian, NaN for null. */
-static void *values_as_bytes(const struct server_query *query, size_t *size)
+static size_t values_as_bytes(const struct server_query *query, void *out)
 {
     const struct values *values = (const struct values *)query;
     uint32_t count = value_count(query);
-    uint64_t *bytes = malloc(count * sizeof *bytes);
-    if (!bytes) return NULL;
-    for (uint32_t i = 0; i < count; i++) {
+    uint64_t *bytes = out;
+    for (uint32_t i = 0; i < count && bytes; i++) {
         double value = isfinite(values->values[i]) ? values->values[i] : NAN;
         memcpy(&bytes[i], &value, sizeof value);
         bytes[i] = htole64(bytes[i]);
     }
-    *size = count * sizeof *bytes;
-    return bytes;
+    return count * sizeof *bytes;
 }
 
 /* The distances with the mesh that they are the distances on, which is always there. */

@@ -175,32 +175,56 @@ static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, 
     proto_page_end(writer, count > limit ? resources[limit - 1]->id : NULL);
 }
 
-static void reply_page(struct server_exchange *exchange, struct server_surface *surface, const struct proto_page *page)
+/* The fields on a page, and one more, which tells whether there is a next page; `most` at most. */
+static uint32_t find_listed(struct server_surface *surface, const struct proto_page *page, uint32_t most,
+                            struct server_resource **resources)
 {
-    struct server_resource *resources[PROTO_PAGE_MOST + 1]; /* one more tells whether there is a next page */
     struct server_catalogue *catalogue = server_record_catalogue(surface->record);
+    uint32_t wanted = page->limit < most ? page->limit + 1 : most;
+    return catalogue ? server_catalogue_list(catalogue, page->after, wanted, resources) : 0;
+}
+
+static void reply_page(struct server_exchange *exchange, struct server_surface *surface, const struct proto_page *page,
+                       struct server_resource **resources, uint32_t count)
+{
     struct proto_writer writer;
-    uint32_t count = catalogue ? server_catalogue_list(catalogue, page->after, page->limit + 1, resources) : 0;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &writer);
     write_page(&writer, surface->mesh, resources, count, page->limit);
     for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
     server_reply_json(exchange, 200, &writer);
 }
 
+/* Of the mesh that the exchange keeps. */
+static bool list_fields(struct server_exchange *exchange)
+{
+    struct proto_page page;
+    struct server_resource *resources[PROTO_PAGE_MOST + 1];
+    if (!server_request_page(exchange, &page)) return true;
+    uint32_t count = find_listed(exchange->state, &page, PROTO_PAGE_MOST + 1, resources);
+    reply_page(exchange, exchange->state, &page, resources, count);
+    return true;
+}
+
+static void release_surface(void *surface)
+{
+    server_surface_release(surface);
+}
+
 void server_handle_list_fields(struct server_exchange *exchange)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     struct proto_page page;
-    if (!server_reply_accepts_json(exchange)) return;
-    if (!proto_page_parse(&parameters, &page, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
+    struct server_resource *resources[SERVER_REQUEST_SHORT_LIST + 1];
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
     struct server_surface *surface = server_request_surface(exchange);
     if (!surface) return;
-    reply_page(exchange, surface, &page);
-    server_surface_release(surface);
+    server_exchange_keep(exchange, surface, release_surface);
+    uint32_t count = find_listed(surface, &page, SERVER_REQUEST_SHORT_LIST + 1, resources);
+    if (page.limit <= SERVER_REQUEST_SHORT_LIST || count <= SERVER_REQUEST_SHORT_LIST) {
+        reply_page(exchange, surface, &page, resources, count);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) server_resource_release(resources[i]);
+    server_request_list(exchange, list_fields);
 }
 
 /* --- remove ------------------------------------------------------------------------------------------------------- */

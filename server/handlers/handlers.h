@@ -24,6 +24,7 @@ void server_handle_delete_surface(struct server_exchange *exchange);
 
 /* meshes.c */
 void server_handle_get_mesh_content(struct server_exchange *exchange);
+void server_handle_list_boundaries(struct server_exchange *exchange);
 
 /* pair.c */
 void server_handle_distance(struct server_exchange *exchange);

@@ -65,7 +65,7 @@ static bool admit(struct isolines *isolines, const struct gd_isoline_line *line,
 
 static enum gd_status pause_at(struct isolines *isolines, const struct gd_control *control, double fraction)
 {
-    enum gd_status status = server_query_hold_draft(&isolines->field.query);
+    enum gd_status status = server_query_check_draft(&isolines->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 

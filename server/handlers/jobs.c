@@ -15,6 +15,7 @@
 #include "server/timekeeper.h"
 
 #define EVENT_STREAM "text/event-stream"
+#define LENT_FROM    65536 /* bytes of an answer; shorter ones are copied */
 
 /* --- found -------------------------------------------------------------------------------------------------------- */
 
@@ -31,44 +32,52 @@ static struct server_async *find_job(struct server_exchange *exchange)
     return job;
 }
 
-/* Takes the bytes that an answer copies from a job, until the exchange ends. False: replied. */
-static bool hold(struct server_exchange *exchange, size_t bytes)
-{
-    struct server_budget *budget = &exchange->server->budget;
-    struct proto_problem problem;
-    if (server_budget_take(budget, SERVER_BUDGET_FLIGHT, bytes)) {
-        exchange->held += bytes;
-        return true;
-    }
-    server_budget_refuse(budget, "the answer", bytes, &problem);
-    server_reply_problem(exchange, &problem);
-    return false;
-}
-
 /* --- told --------------------------------------------------------------------------------------------------------- */
 
-static void reply_told(struct server_exchange *exchange, unsigned status, const struct proto_job *told)
+static void release_job(void *user)
+{
+    server_async_release(user);
+}
+
+/* A large answer is sent as the job holds it, which is kept meanwhile. */
+static struct server_lent lend(struct server_async *job, const struct proto_job_answer *answer, const char *tail)
+{
+    return (struct server_lent){.bytes = answer->body,
+                                .size = answer->size,
+                                .tail = tail,
+                                .lender = server_async_retain(job),
+                                .release = release_job};
+}
+
+static void reply_told(struct server_exchange *exchange, unsigned status, struct server_async *job,
+                       const struct proto_job *told)
 {
     struct proto_writer writer;
-    if (told->answer && !hold(exchange, told->answer->size)) return;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &writer);
+    if (told->answer && told->answer->size >= LENT_FROM && proto_job_encode_head(&writer, told)) {
+        const struct server_lent lent = lend(job, told->answer, PROTO_JOB_TAIL);
+        server_reply_lent(exchange, status, "application/json", &writer, &lent);
+        return;
+    }
     proto_job_encode(&writer, told, PROTO_JOB_FULL);
     server_reply_json(exchange, status, &writer);
 }
 
 /* What the operation answered, as it did. */
-static void reply_answer(struct server_exchange *exchange, const struct proto_job_answer *answer)
+static void reply_answer(struct server_exchange *exchange, struct server_async *job,
+                         const struct proto_job_answer *answer)
 {
-    char *body = NULL;
-    if (!hold(exchange, answer->size)) return;
-    if (answer->size && !(body = malloc(answer->size))) {
-        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
-        return;
-    }
-    if (body) memcpy(body, answer->body, answer->size);
+    struct proto_writer writer;
     for (uint32_t i = 0; i < answer->header_count; i++)
         server_reply_header(exchange, answer->headers[i].name, "%s", answer->headers[i].value);
-    server_reply_bytes(exchange, answer->status, answer->media_type, body, answer->size);
+    server_reply_writer(exchange, &writer);
+    if (answer->size >= LENT_FROM) {
+        const struct server_lent lent = lend(job, answer, "");
+        server_reply_lent(exchange, answer->status, answer->media_type, &writer, &lent);
+        return;
+    }
+    proto_append(&writer, answer->body, answer->size);
+    server_reply_text(exchange, answer->status, answer->media_type, &writer);
 }
 
 void server_handle_get_job(struct server_exchange *exchange)
@@ -77,7 +86,7 @@ void server_handle_get_job(struct server_exchange *exchange)
     struct server_async *job = find_job(exchange);
     if (!job) return;
     struct proto_job told = server_jobs_look(job);
-    reply_told(exchange, 200, &told);
+    reply_told(exchange, 200, job, &told);
     server_async_release(job);
 }
 
@@ -88,7 +97,7 @@ void server_handle_get_job_result(struct server_exchange *exchange)
     if (!job) return;
     struct proto_job told = server_jobs_look(job);
     if (told.answer)
-        reply_answer(exchange, told.answer);
+        reply_answer(exchange, job, told.answer);
     else
         server_reply_refusal(exchange, PROTO_PROBLEM_CONFLICT,
                              told.state == PROTO_JOB_CANCELLED
@@ -108,24 +117,46 @@ static void write_page(struct proto_writer *writer, struct server_async *const *
     proto_page_end(writer, count > limit ? server_jobs_look(jobs[limit - 1]).id : NULL);
 }
 
-void server_handle_list_jobs(struct server_exchange *exchange)
+/* The jobs on a page, and one more, which tells whether there is a next page; `most` at most. */
+static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
+                            struct server_async **jobs)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
-    struct proto_page page;
+    return server_jobs_list(exchange->server->jobs, exchange->tenant, page->after,
+                            page->limit < most ? page->limit + 1 : most, jobs);
+}
+
+static void reply_page(struct server_exchange *exchange, const struct proto_page *page, struct server_async **jobs,
+                       uint32_t count)
+{
     struct proto_writer writer;
-    struct server_async *jobs[PROTO_PAGE_MOST + 1];
-    if (!server_reply_accepts_json(exchange)) return;
-    if (!proto_page_parse(&parameters, &page, &problem)) {
-        server_reply_problem(exchange, &problem);
-        return;
-    }
-    uint32_t count = server_jobs_list(exchange->server->jobs, exchange->tenant, page.after, page.limit + 1,
-                                      jobs); /* one more tells whether there is a next page */
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    write_page(&writer, jobs, count, page.limit);
+    server_reply_writer(exchange, &writer);
+    write_page(&writer, jobs, count, page->limit);
     for (uint32_t i = 0; i < count; i++) server_async_release(jobs[i]);
     server_reply_json(exchange, 200, &writer);
+}
+
+static bool list(struct server_exchange *exchange)
+{
+    struct proto_page page;
+    struct server_async *jobs[PROTO_PAGE_MOST + 1];
+    if (!server_request_page(exchange, &page)) return true;
+    uint32_t count = find_listed(exchange, &page, PROTO_PAGE_MOST + 1, jobs);
+    reply_page(exchange, &page, jobs, count);
+    return true;
+}
+
+void server_handle_list_jobs(struct server_exchange *exchange)
+{
+    struct proto_page page;
+    struct server_async *jobs[SERVER_REQUEST_SHORT_LIST + 1];
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
+    uint32_t count = find_listed(exchange, &page, SERVER_REQUEST_SHORT_LIST + 1, jobs);
+    if (page.limit <= SERVER_REQUEST_SHORT_LIST || count <= SERVER_REQUEST_SHORT_LIST) {
+        reply_page(exchange, &page, jobs, count);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) server_async_release(jobs[i]);
+    server_request_list(exchange, list);
 }
 
 /* --- begun and ended ---------------------------------------------------------------------------------------------- */
@@ -140,13 +171,13 @@ static void reply_started(struct server_exchange *exchange, struct server_async 
 {
     struct proto_job told = server_jobs_look(job);
     if (was_refused(&told)) {
-        reply_answer(exchange, told.answer);
+        reply_answer(exchange, job, told.answer);
         server_jobs_cancel(exchange->server->jobs, job);
         return;
     }
     server_reply_header(exchange, "Location", "/v1/jobs/%s", told.id);
     server_reply_header(exchange, "Preference-Applied", "respond-async");
-    reply_told(exchange, 202, &told);
+    reply_told(exchange, 202, job, &told);
 }
 
 void server_handle_async(struct server_exchange *exchange)
@@ -189,11 +220,6 @@ static bool tell_event(void *user, struct proto_writer *writer)
     struct proto_job told = server_jobs_look(user);
     proto_job_encode_event(writer, &told);
     return !proto_job_has_ended(told.state);
-}
-
-static void release_job(void *user)
-{
-    server_async_release(user);
 }
 
 /* The stream has a reference of the job of its own. */

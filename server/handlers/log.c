@@ -65,7 +65,7 @@ static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *ans
     enum gd_status status = GD_OK;
     if (isinf(answer->distance)) {
         proto_vector_encode(writer, NULL, answer->distance);
-        return server_query_hold_draft(&map->field.query);
+        return server_query_check_draft(&map->field.query);
     }
     status = gd_vector_log(map->field.query.surface->mesh, &answer->path, &vectors, NULL);
     gd_pair_answer_free(answer);
@@ -76,7 +76,7 @@ static enum gd_status write_pair(struct log_map *map, struct gd_pair_answer *ans
     }
     proto_log_encode(writer, &vectors, answer->is_cut);
     gd_log_free(&vectors);
-    return server_query_hold_draft(&map->field.query);
+    return server_query_check_draft(&map->field.query);
 }
 
 /* --- from the field ----------------------------------------------------------------------------------------------- */
@@ -114,10 +114,10 @@ static enum gd_status write_vertices(struct log_map *map, const double *angles, 
     for (uint32_t i = 0; i < count && !status; i++) {
         write_vertex(map, angles[i], lengths[i]);
         if (i % CHUNK) continue;
-        status = server_query_hold_draft(&map->field.query);
+        status = server_query_check_draft(&map->field.query);
         if (!status) status = gd_control_check(control, (double)i / count);
     }
-    return status ? status : server_query_hold_draft(&map->field.query);
+    return status ? status : server_query_check_draft(&map->field.query);
 }
 
 static enum gd_status write_all(struct log_map *map, const struct gd_field *field, struct server_monitor *part)

@@ -8,8 +8,7 @@
 #include "server/handlers/query.h"
 #include "server/matrix.h"
 
-#define BYTES_A_NUMBER 24 /* of the answer's text, at most */
-#define WHAT           "the matrix"
+#define WHAT "the matrix"
 
 struct matrix {
     struct server_query query; /* first */
@@ -49,12 +48,12 @@ static struct server_matrix_request request_of(const struct matrix *matrix)
                                           .max_distance = matrix->max_distance};
 }
 
-/* Memory for the distances, and bytes of the budget for them, for solving and for the answer. */
+/* Memory for the distances, and bytes of the budget for them and for solving. */
 static enum gd_status reserve(struct matrix *matrix)
 {
     struct server_matrix_request request = request_of(matrix);
     size_t entries = (size_t)matrix->sources.count * matrix->targets.count;
-    size_t bytes = entries * (sizeof *matrix->distances + BYTES_A_NUMBER) + server_matrix_cost(&request);
+    size_t bytes = entries * sizeof *matrix->distances + server_matrix_cost(&request);
     enum gd_status status = server_query_take(&matrix->query, bytes);
     if (status) return status;
     matrix->distances = malloc(entries * sizeof *matrix->distances);
@@ -83,10 +82,10 @@ static void encode(const struct server_query *query, struct proto_writer *writer
     proto_matrix_encode(writer, &answer, &query->options);
 }
 
-static void *bytes(const struct server_query *query, size_t *size)
+static size_t bytes(const struct server_query *query, void *out)
 {
     struct proto_matrix_answer answer = answer_of(query);
-    return proto_matrix_bytes(&answer, size);
+    return proto_matrix_bytes(&answer, out);
 }
 
 const struct server_query_kind server_query_matrix = {.name = "matrix",

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "gd/io.h"
+#include "proto/page.h"
 #include "server/handlers/description.h"
 #include "server/handlers/request.h"
 #include "server/reply.h"
@@ -105,4 +106,26 @@ void server_handle_get_mesh_content(struct server_exchange *exchange)
     *content = (struct content){surface, format};
     server_exchange_keep(exchange, content, free_content);
     server_exchange_defer(exchange, send_content, NULL);
+}
+
+/* --- boundaries --------------------------------------------------------------------------------------------------- */
+
+void server_handle_list_boundaries(struct server_exchange *exchange)
+{
+    struct proto_problem problem;
+    struct proto_writer writer;
+    struct proto_page page;
+    int64_t after;
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
+    if (!proto_page_number(&page, &after, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    server_reply_writer(exchange, &writer);
+    proto_boundaries_encode(&writer, surface->mesh, after, page.limit);
+    server_description_tag(exchange, surface->record);
+    server_reply_json(exchange, 200, &writer);
+    server_surface_release(surface);
 }

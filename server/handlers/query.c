@@ -25,7 +25,7 @@ struct server_query *server_query_create(const struct server_query_kind *kind, s
     memset((char *)query + sizeof *query, 0, kind->size - sizeof *query);
     *query = (struct server_query){
         .kind = kind, .exchange = exchange, .surface = server_surface_retain(surface), .share = 1};
-    proto_writer_init(&query->draft, SERVER_REPLY_MOST);
+    server_reply_writer(exchange, &query->draft);
     return query;
 }
 
@@ -65,7 +65,9 @@ enum server_query_turn server_query_fail(const struct server_query *query, enum 
                                          struct proto_problem *problem)
 {
     server_query_count(query, status);
-    if (status == GD_BUDGET)
+    if (status == GD_BUDGET && query->draft.failure)
+        (void)proto_writer_check(&query->draft, problem);
+    else if (status == GD_BUDGET)
         server_budget_refuse(&query->exchange->server->budget, what, 0, problem);
     else
         proto_problem_from_status(problem, status, NULL);
@@ -114,19 +116,14 @@ enum gd_status server_query_call(struct server_query *query, struct server_monit
 
 /* --- the draft ---------------------------------------------------------------------------------------------------- */
 
-enum gd_status server_query_hold_draft(struct server_query *query)
+enum gd_status server_query_check_draft(const struct server_query *query)
 {
-    size_t more = query->draft.capacity - query->drafted;
-    if (!more) return GD_OK;
-    enum gd_status status = server_query_take(query, more);
-    if (!status) query->drafted += more;
-    return status;
+    return query->draft.failure ? GD_BUDGET : GD_OK;
 }
 
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,
                                               struct proto_problem *problem)
 {
-    if (!status) status = server_query_hold_draft(query);
     if (status) return server_query_fail(query, status, what, problem);
     return proto_writer_check(&query->draft, problem) ? SERVER_QUERY_DONE : SERVER_QUERY_FAILED;
 }
@@ -143,12 +140,11 @@ void server_query_encode(const struct server_query *query, struct proto_writer *
 
 static void reply_bytes(struct server_query *query)
 {
-    size_t size = 0;
-    void *bytes = query->kind->bytes(query, &size);
-    if (bytes)
-        server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
-    else
-        server_reply_refusal(query->exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+    size_t size = query->kind->bytes(query, NULL);
+    void *bytes = server_reply_allocate(query->exchange, size);
+    if (!bytes) return;
+    query->kind->bytes(query, bytes);
+    server_reply_bytes(query->exchange, 200, BYTES, bytes, size);
 }
 
 static void reply_form(struct server_query *query)

@@ -35,8 +35,7 @@ struct server_query {
     bool with_mesh;      /* the form is to have the mesh with it */
     double begun, share; /* of the exchange's work, see struct server_monitor */
     struct proto_writer draft;
-    size_t held,
-        drafted; /* bytes of SERVER_BUDGET_FLIGHT, given back when it ends; those of the draft are among them */
+    size_t held; /* bytes of SERVER_BUDGET_FLIGHT, given back when it ends; those of the draft are not among them */
 };
 
 struct server_query_kind {
@@ -51,8 +50,8 @@ struct server_query_kind {
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer); /* NULL: the answer is the draft */
     void (*reply)(struct server_query *query); /* instead of encode: the answer is no JSON. NULL: it is */
-    void *(*bytes)(const struct server_query *query,
-                   size_t *size);    /* the answer as float64, by malloc; NULL: it has no such form */
+    /* Writes the answer as float64 to `out`, if that is not NULL, and returns its bytes. NULL: it has no such form. */
+    size_t (*bytes)(const struct server_query *query, void *out);
     const struct server_form *forms; /* the answer's other forms; NULL: none */
     /* The answer in the query's form, which is one of these, by malloc. Its memory is the exchange's `held`. False with the problem. */
     bool (*write)(const struct server_query *query, char **bytes, size_t *size, struct proto_problem *problem);
@@ -97,8 +96,8 @@ typedef enum gd_status server_query_maker(void *user, const struct gd_control *c
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
                                              server_query_maker *make, void *user, size_t grant);
 
-/* Holds what the draft has grown by: to be called now and then while it is written. GD_BUDGET. */
-GD_MUST_USE enum gd_status server_query_hold_draft(struct server_query *query);
+/* Can more be written to the draft? To be called now and then, so that no work is done in vain. GD_BUDGET. */
+GD_MUST_USE enum gd_status server_query_check_draft(const struct server_query *query);
 
 /* The turn when it is written: DONE; or FAILED with the problem that `status` is (then `what` needs memory), or that the draft is too large. */
 enum server_query_turn server_query_end_draft(struct server_query *query, enum gd_status status, const char *what,

@@ -43,6 +43,15 @@ bool server_request_is_plain(struct server_exchange *exchange)
     return false;
 }
 
+bool server_request_page(struct server_exchange *exchange, struct proto_page *page)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    if (proto_page_parse(&parameters, page, &problem)) return true;
+    server_reply_problem(exchange, &problem);
+    return false;
+}
+
 static void reply_out_of_reach(struct server_exchange *exchange, const char *what)
 {
     struct proto_problem problem;
@@ -223,6 +232,17 @@ bool server_request_write(struct server_exchange *exchange, bool (*work)(struct 
     return false;
 }
 
+static bool submit_list(struct server_exchange *exchange)
+{
+    server_registry_submit_list(exchange->server->registry, &exchange->job);
+    return true;
+}
+
+void server_request_list(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange))
+{
+    server_exchange_defer(exchange, work, submit_list);
+}
+
 /* --- bodies and failures ------------------------------------------------------------------------------------------ */
 
 static bool is_json(const char *content_type)
@@ -255,7 +275,8 @@ void server_request_fail(struct server_exchange *exchange, enum server_store_out
             server_request_kind(exchange)->noun);
         break;
     case SERVER_STORE_NO_MEMORY:
-        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY, "the system is out of memory");
+        server_reply_refusal(exchange, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                             "there is no memory for this; delete meshes, raise --memory-budget, or try again later");
         break;
     case SERVER_STORE_FULL:
         server_reply_refusal(

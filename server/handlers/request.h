@@ -3,6 +3,7 @@
 #define SERVER_HANDLERS_REQUEST_H
 
 #include "proto/decode.h"
+#include "proto/page.h"
 #include "server/exchange.h"
 #include "server/registry.h"
 
@@ -15,6 +16,9 @@ bool server_request_key(struct server_exchange *exchange, char name[PROTO_MESH_N
 
 /* True when there are no query-string parameters, for operations that have none; else false, with a problem replied. */
 bool server_request_is_plain(struct server_exchange *exchange);
+
+/* The page of a list that the parameters ask for; false: a problem is replied. */
+bool server_request_page(struct server_exchange *exchange, struct proto_page *page);
 
 /* What is known of the surface that the path names, retained; false: a problem is replied. */
 bool server_request_record(struct server_exchange *exchange, struct server_listed *out);
@@ -31,6 +35,11 @@ bool server_request_follows_first(struct server_exchange *exchange);
 /* Has `work` done by the registry's writer: the last act of work that has something to store. False: as that work then
  * returns. */
 bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
+
+/* Has `work`, which makes a list, done by the registry's thread for them: the handler's last act. */
+void server_request_list(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
+
+#define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread may make */
 
 /* The body as a JSON document, owned by the caller (json_decref), or NULL with unsupported_media_type or
  * invalid_request in `problem`. */

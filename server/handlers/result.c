@@ -102,11 +102,11 @@ bool server_result_write_lines(const struct server_query *query, const struct se
 #define STRIP_BYTES_A_POINT 512 /* faces and their gates, twice while they grow; a path goes around few vertices */
 #define STRIP_BYTES_LEAST   ((size_t)1 << 20)
 
-static bool draw(const struct gd_flat_strip *strip, double length, char **bytes, size_t *size,
-                 struct proto_problem *problem)
+static bool draw(const struct server_query *query, const struct gd_flat_strip *strip, double length, char **bytes,
+                 size_t *size, struct proto_problem *problem)
 {
     struct proto_writer writer;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, query->exchange->server->budget.largest_answer);
     proto_writer_expect(&writer, proto_flat_strip_bytes(strip));
     proto_flat_strip_svg(&writer, strip, length);
     bool ok = proto_writer_check(&writer, problem);
@@ -125,7 +125,7 @@ bool server_result_write_strip(const struct server_query *query, const struct gd
     if (!hold(query, 2 * cost, problem)) return false;
     control.budget_bytes = cost;
     enum gd_status status = gd_flat_strip_of(query->surface->mesh, path, &control, &strip);
-    bool ok = !status && draw(&strip, path->length, bytes, size, problem);
+    bool ok = !status && draw(query, &strip, path->length, bytes, size, problem);
     if (status) server_query_fail(query, status, WHAT, problem);
     if (!status) gd_flat_strip_free(&strip);
     settle(query, 2 * cost, ok ? *size : 0);

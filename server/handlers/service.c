@@ -5,6 +5,8 @@
 #include "server/handlers/request.h"
 #include "server/reply.h"
 #include "server/server.h"
+
+#define ANSWER_MOST ((size_t)16 << 20) /* bytes */
 #include "server/version.h"
 
 static void reply_asset(struct server_exchange *exchange, const char *path)
@@ -31,7 +33,7 @@ static void reply_health(struct server_exchange *exchange, unsigned status, enum
                          const char *reason)
 {
     struct proto_writer writer;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, ANSWER_MOST);
     proto_health_encode(&writer, health, reason);
     server_reply_json(exchange, status, &writer);
 }
@@ -64,7 +66,7 @@ void server_handle_get_metrics(struct server_exchange *exchange)
     struct server *server = exchange->server;
     struct proto_writer writer;
     if (!server_request_is_plain(exchange)) return;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, ANSWER_MOST);
     if (server_grant_is_operator(&exchange->grant))
         server_metrics_write(server->metrics, server, &writer);
     else
@@ -81,13 +83,14 @@ void server_handle_get_service(struct server_exchange *exchange)
                    .max_faces = config->max_faces,
                    .timeout_ms = config->timeout_ms,
                    .memory_budget_bytes = config->memory_budget,
+                   .max_answer_bytes = exchange->server->budget.largest_answer,
                    .workers = config->workers},
         .routes = proto_routes,
         .route_count = proto_route_count,
     };
     struct proto_writer writer;
     if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, ANSWER_MOST);
     proto_service_encode(&writer, &service);
     server_reply_json(exchange, 200, &writer);
 }

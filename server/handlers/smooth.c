@@ -27,7 +27,7 @@ static enum gd_status write_round(struct server_smooth_evaluation *evaluation, u
         server_query_monitor(&evaluation->query, (double)first / total, (double)count / total);
     const struct gd_control control = server_exchange_control(&monitor);
     enum gd_status status = evaluation->write(evaluation, first, count, &control);
-    if (!status) status = server_query_hold_draft(&evaluation->query);
+    if (!status) status = server_query_check_draft(&evaluation->query);
     return status ? status : gd_control_check(&control, 1);
 }
 

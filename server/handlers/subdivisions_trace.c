@@ -185,7 +185,7 @@ static enum gd_status write_paths(struct tracing *tracing)
     for (uint32_t i = 0, count; i < total && !status; i += count) {
         count = smooth ? 1 : total - i < tracing->lanes ? total - i : tracing->lanes;
         status = smooth ? write_smooth_path(tracing, i) : write_mesh_paths(tracing, i, count);
-        if (!status) status = server_query_hold_draft(&tracing->query);
+        if (!status) status = server_query_check_draft(&tracing->query);
     }
     proto_write_array_end(writer);
     return status;

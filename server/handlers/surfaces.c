@@ -10,34 +10,58 @@
 
 /* --- list --------------------------------------------------------------------------------------------------------- */
 
+/* Ends the page also when it has many bytes. */
 static void write_page(struct proto_writer *writer, const char *plural, struct server_listed *listed, uint32_t count,
                        uint32_t limit)
 {
-    uint32_t written = count < limit ? count : limit;
+    uint32_t written = 0;
     proto_page_begin(writer, plural);
-    for (uint32_t i = 0; i < written; i++) server_description_write(writer, &listed[i]);
-    proto_page_end(writer, count > limit ? listed[limit - 1].record->name : NULL);
+    while (written < count && written < limit && writer->size < PROTO_PAGE_BYTES)
+        server_description_write(writer, &listed[written++]);
+    proto_page_end(writer, written < count ? listed[written - 1].record->name : NULL);
+}
+
+/* The surfaces on a page, and one more, which tells whether there is a next page; `most` at most. */
+static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
+                            struct server_listed *listed)
+{
+    const struct server_key after = {exchange->tenant, server_request_kind(exchange), page->after};
+    return server_registry_list(exchange->server->registry, &after, page->limit < most ? page->limit + 1 : most,
+                                listed);
+}
+
+static void reply_page(struct server_exchange *exchange, const struct proto_page *page, struct server_listed *listed,
+                       uint32_t count)
+{
+    struct proto_writer writer;
+    server_reply_writer(exchange, &writer);
+    write_page(&writer, server_request_kind(exchange)->plural, listed, count, page->limit);
+    for (uint32_t i = 0; i < count; i++) server_listed_release(&listed[i]);
+    server_reply_json(exchange, 200, &writer);
+}
+
+static bool list(struct server_exchange *exchange)
+{
+    struct proto_page page;
+    struct server_listed listed[PROTO_PAGE_MOST + 1];
+    if (!server_request_page(exchange, &page)) return true;
+    uint32_t count = find_listed(exchange, &page, PROTO_PAGE_MOST + 1, listed);
+    reply_page(exchange, &page, listed, count);
+    return true;
 }
 
 void server_handle_list_surfaces(struct server_exchange *exchange)
 {
-    struct proto_parameters parameters = server_exchange_parameters(exchange);
-    struct proto_problem problem;
     struct proto_page page;
-    struct proto_writer writer;
-    struct server_listed listed[PROTO_PAGE_MOST + 1];
-    if (!server_reply_accepts_json(exchange)) return;
-    if (!proto_page_parse(&parameters, &page, &problem)) {
-        server_reply_problem(exchange, &problem);
+    struct server_listed listed[SERVER_REQUEST_SHORT_LIST + 1];
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
+    uint32_t count = find_listed(exchange, &page, SERVER_REQUEST_SHORT_LIST + 1, listed);
+    if (page.limit <= SERVER_REQUEST_SHORT_LIST || count <= SERVER_REQUEST_SHORT_LIST) {
+        reply_page(exchange, &page, listed, count);
         return;
     }
-    const struct server_key after = {exchange->tenant, server_request_kind(exchange), page.after};
-    uint32_t count = server_registry_list(exchange->server->registry, &after, page.limit + 1,
-                                          listed); /* one more tells whether there is a next page */
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
-    write_page(&writer, after.kind->plural, listed, count, page.limit);
     for (uint32_t i = 0; i < count; i++) server_listed_release(&listed[i]);
-    server_reply_json(exchange, 200, &writer);
+    server_request_list(exchange, list);
 }
 
 /* --- describe, remove --------------------------------------------------------------------------------------------- */

@@ -69,7 +69,7 @@ static enum gd_status write_path(struct tracing *tracing, uint32_t i)
     if (status) return status;
     proto_trace_encode(&tracing->query.draft, mesh, &trace, tracing->query.options.geometry);
     gd_trace_free(&trace);
-    status = server_query_hold_draft(&tracing->query);
+    status = server_query_check_draft(&tracing->query);
     return status ? status : gd_control_check(&control, 1);
 }
 

@@ -27,7 +27,7 @@ static const struct gd_mesh *mesh_of(const struct voronoi *voronoi)
 
 static enum gd_status pause_at(struct voronoi *voronoi, const struct gd_control *control, double fraction)
 {
-    enum gd_status status = server_query_hold_draft(&voronoi->field.query);
+    enum gd_status status = server_query_check_draft(&voronoi->field.query);
     return status ? status : gd_control_check(control, fraction);
 }
 

@@ -17,7 +17,7 @@ FIELDS = 200
 BUDGETS = ("96MiB", "512MiB", "2GiB")
 FRESH = 7  # daemons
 STRIDE = 7919  # from one source to the next, in faces
-CLASSES = ("meshes", "fields", "flight", "workspaces", "landmarks", "spare")
+CLASSES = ("meshes", "fields", "flight", "answers", "records", "workspaces", "landmarks", "spare")
 
 
 def sample_files():

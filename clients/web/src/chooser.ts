@@ -139,7 +139,8 @@ const plural = (count: number, one: string, many: string): string => `${whole(co
 function meshFacts(mesh: Mesh, units: Units): string {
   const parts = [`${whole(mesh.faces)} faces`, `area ${units.area(mesh.area)}`];
   if (mesh.components !== 1) parts.push(plural(mesh.components, "component", "components"));
-  if (mesh.boundaries.length) parts.push(plural(mesh.boundaries.length, "boundary", "boundaries"));
+  const boundaries = mesh.boundary_count ?? mesh.boundaries.length;
+  if (boundaries) parts.push(plural(boundaries, "boundary", "boundaries"));
   if (mesh.genus) parts.push(`genus ${mesh.genus}`);
   return parts.join(", ");
 }

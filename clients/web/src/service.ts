@@ -13,6 +13,8 @@ const CLASSES: [string, string][] = [
   ["landmarks", "Landmarks"],
   ["discretizations", "Discretizations"],
   ["flight", "Work under way"],
+  ["answers", "Answers on their way"],
+  ["records", "Descriptions and records"],
   ["workspaces", "Workspaces"],
   ["jobs", "Answers of jobs"],
   ["spare", "Spare"],

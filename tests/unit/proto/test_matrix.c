@@ -119,9 +119,9 @@ static void bytes_are_little_endian_and_nan_for_null(void **state)
     static const double distances[] = {1, INFINITY, NAN, 0.5};
     static const unsigned char expected[] = {0, 0, 0, 0, 0, 0, 0xf0, 0x3f}, half[] = {0, 0, 0, 0, 0, 0, 0xe0, 0x3f};
     struct proto_matrix_answer answer = {distances, 2, 2};
-    size_t size = 0;
-    unsigned char *bytes = proto_matrix_bytes(&answer, &size);
-    assert_int_equal(size, 32);
+    unsigned char bytes[32];
+    assert_int_equal(proto_matrix_bytes(&answer, NULL), sizeof bytes);
+    proto_matrix_bytes(&answer, bytes);
     assert_memory_equal(bytes, expected, 8);
     assert_memory_equal(bytes + 24, half, 8);
     for (int i = 1; i < 3; i++) {
@@ -129,7 +129,6 @@ static void bytes_are_little_endian_and_nan_for_null(void **state)
         memcpy(&value, bytes + 8 * i, sizeof value); /* tests run on little-endian machines */
         assert_true(isnan(value));
     }
-    free(bytes);
 }
 
 int main(void)

@@ -156,7 +156,8 @@ static void refuses_what_can_not_be_sent(void **state)
 #define DESCRIPTION                                                                                                    \
     "{\"name\":\"corner\",\"sha256\":\"ab12\",\"index_count\":5,\"vertices\":4,\"faces\":3,\"edges\":6,"               \
     "\"components\":1,"                                                                                                \
-    "\"boundaries\":[{\"vertices\":3,\"length\":3.414213562373095}],\"euler_characteristic\":1,\"genus\":0,"           \
+    "\"boundary_count\":1,\"boundaries\":[{\"vertices\":3,\"length\":3.414213562373095}],\"euler_characteristic\":1,"  \
+    "\"genus\":0,"                                                                                                     \
     "\"orientation\":{\"flipped_faces\":1},\"area\":1.8660254037844386,\"bounding_box\":{\"min\":[0,0,0],\"max\":[1,"  \
     "1,1]},"                                                                                                           \
     "\"edge_length\":{\"min\":1,\"mean\":1.2071067811865475,\"max\":1.4142135623730951},\"degenerate_faces\":0,"       \
@@ -232,6 +233,95 @@ static void describes_repairs(void **state)
     gd_mesh_release(mesh);
 }
 
+/* Triangles that touch nothing: as many boundaries. */
+static struct gd_mesh *build_loose_triangles(uint32_t count)
+{
+    double(*positions)[3] = calloc(3 * count, sizeof *positions);
+    uint32_t *corners = calloc(3 * count, sizeof *corners);
+    struct gd_mesh *mesh = NULL;
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        positions[i][0] = i / 3 * 2 + (i % 3 == 1), positions[i][1] = i % 3 == 2;
+        corners[i] = i;
+    }
+    const struct gd_polygons polygons = {
+        .positions = positions, .position_count = 3 * count, .polygon_count = count, .corners = corners};
+    assert_int_equal(gd_mesh_build(&polygons, &(struct gd_mesh_options){0}, NULL, &mesh, NULL), GD_OK);
+    free(positions);
+    free(corners);
+    return mesh;
+}
+
+static char *text_of(struct proto_writer *writer)
+{
+    size_t size = 0;
+    proto_append(writer, "", 1);
+    return proto_writer_take(writer, &size);
+}
+
+static uint32_t count_of(const char *text, const char *word)
+{
+    uint32_t count = 0;
+    while ((text = strstr(text, word))) count++, text++;
+    return count;
+}
+
+#define LOOP "{\"vertices\":3,\"length\":3.414213562373095}"
+
+static void long_lists_of_boundaries_are_cut(void **state)
+{
+    (void)state;
+    struct gd_mesh *mesh = build_loose_triangles(250);
+    const struct proto_mesh_description description = {.name = "loose", .sha256 = "", .etag = "", .mesh = mesh};
+    struct proto_writer writer = new_writer();
+    proto_mesh_encode(&writer, &description);
+    char *text = text_of(&writer);
+    assert_non_null(strstr(text, "\"boundary_count\":250,"));
+    assert_int_equal(count_of(text, LOOP), PROTO_MESH_BOUNDARIES);
+    assert_null(proto_mesh_shorten(text)); /* it is short */
+    free(text);
+    gd_mesh_release(mesh);
+}
+
+static void boundaries_come_by_page(void **state)
+{
+    (void)state;
+    static const struct {
+        int64_t after;
+        uint32_t limit, count;
+        const char *next;
+    } pages[] = {{-1, 100, 3, "null"}, {-1, 3, 3, "null"}, {-1, 2, 2, "\"1\""},
+                 {1, 2, 1, "null"},    {2, 2, 0, "null"},  {INT64_MAX, 1000, 0, "null"}};
+    struct gd_mesh *mesh = build_loose_triangles(3);
+    for (size_t i = 0; i < COUNT(pages); i++) {
+        char next[32];
+        struct proto_writer writer = new_writer();
+        proto_boundaries_encode(&writer, mesh, pages[i].after, pages[i].limit);
+        char *text = text_of(&writer);
+        assert_int_equal(count_of(text, LOOP), pages[i].count);
+        snprintf(next, sizeof next, "\"next\":%s}", pages[i].next);
+        assert_non_null(strstr(text, next));
+        free(text);
+    }
+    gd_mesh_release(mesh);
+}
+
+static void long_descriptions_of_before_are_shortened(void **state)
+{
+    (void)state;
+    struct proto_writer writer = new_writer();
+    proto_append_format(&writer, "{\"name\":\"old\",\"boundaries\":[" LOOP);
+    for (int i = 1; i < 300; i++) proto_append_format(&writer, "," LOOP);
+    proto_append_format(&writer, "],\"area\":0.1}");
+    char *text = text_of(&writer), *shortened = proto_mesh_shorten(text);
+    assert_int_equal(count_of(shortened, "{\"vertices\":3,"), PROTO_MESH_BOUNDARIES);
+    assert_non_null(strstr(shortened, "\"name\":\"old\""));
+    assert_non_null(strstr(shortened, "\"boundary_count\":300"));
+    assert_non_null(strstr(shortened, "\"area\":0.1"));
+    free(shortened);
+    free(text);
+    assert_null(proto_mesh_shorten("{\"boundaries\":"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -244,6 +334,9 @@ int main(void)
         cmocka_unit_test(refuses_what_can_not_be_sent),
         cmocka_unit_test(describes_meshes),
         cmocka_unit_test(describes_repairs),
+        cmocka_unit_test(long_lists_of_boundaries_are_cut),
+        cmocka_unit_test(boundaries_come_by_page),
+        cmocka_unit_test(long_descriptions_of_before_are_shortened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,18 +8,21 @@ static void describes_the_daemon(void **state)
     static const struct proto_route routes[] = {{.operation = "get_path"}, {.query = "path"}, {.query = "nearest"}};
     const struct proto_service service = {
         .version = "1.2.3",
-        .limits =
-            {.max_body_bytes = 1, .max_faces = 2, .timeout_ms = 3, .memory_budget_bytes = 4294967296, .workers = 5},
+        .limits = {.max_body_bytes = 1,
+                   .max_faces = 2,
+                   .timeout_ms = 3,
+                   .memory_budget_bytes = 4294967296,
+                   .max_answer_bytes = 6,
+                   .workers = 5},
         .routes = routes,
         .route_count = COUNT(routes),
     };
     struct proto_writer writer = new_writer();
     proto_service_encode(&writer, &service);
-    assert_written(
-        &writer,
-        "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
-        "\"memory_budget_bytes\":4294967296,\"workers\":5},\"capabilities\":{\"formats\":[\"obj\",\"ply\",\"stl\","
-        "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
+    assert_written(&writer, "{\"version\":\"1.2.3\",\"limits\":{\"max_body_bytes\":1,\"max_faces\":2,\"timeout_ms\":3,"
+                            "\"memory_budget_bytes\":4294967296,\"max_answer_bytes\":6,\"workers\":5},\"capabilities\":"
+                            "{\"formats\":[\"obj\",\"ply\",\"stl\","
+                            "\"off\",\"json\",\"glb\",\"gltf\"],\"queries\":[\"path\",\"nearest\"]}}");
 }
 
 static void assert_health(enum proto_health health, const char *reason, const char *text)

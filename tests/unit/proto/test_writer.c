@@ -167,6 +167,77 @@ static void makes_room_once_for_what_is_expected(void **state)
     proto_writer_free(&writer);
 }
 
+/* --- an account ---------------------------------------------------------------------------------------------------- */
+
+struct purse {
+    size_t taken, most;
+};
+
+static bool take(void *user, size_t bytes)
+{
+    struct purse *purse = user;
+    if (purse->taken + bytes > purse->most) return false;
+    purse->taken += bytes;
+    return true;
+}
+
+static void give(void *user, size_t bytes)
+{
+    struct purse *purse = user;
+    assert_true(bytes <= purse->taken);
+    purse->taken -= bytes;
+}
+
+static void append_many(struct proto_writer *writer, size_t count)
+{
+    for (size_t i = 0; i < count; i++) proto_append(writer, "x", 1);
+}
+
+static void counts_large_buffers_until_they_are_freed(void **state)
+{
+    (void)state;
+    struct purse purse = {.most = SIZE_MAX};
+    const struct proto_writer_account account = {take, give, &purse};
+    struct proto_writer writer;
+    proto_writer_init(&writer, SIZE_MAX);
+    writer.account = &account;
+    append_many(&writer, PROTO_WRITER_SMALL);
+    assert_int_equal(purse.taken, 0);
+    append_many(&writer, 1);
+    assert_int_equal(purse.taken, writer.capacity);
+    append_many(&writer, 3000000);
+    assert_int_equal(purse.taken, writer.capacity);
+    assert_true(writer.capacity < writer.size + writer.size / 3); /* large ones grow slowly */
+    proto_writer_free(&writer);
+    assert_int_equal(purse.taken, 0);
+
+    append_many(&writer, 20000); /* it counts again */
+    size_t size = 0;
+    char *text = proto_writer_take(&writer, &size);
+    assert_int_equal(purse.taken, proto_writer_counted(size)); /* no more than the text has */
+    give(&purse, proto_writer_counted(size));
+    free(text);
+    proto_writer_free(&writer);
+}
+
+static void fails_when_there_is_no_room(void **state)
+{
+    (void)state;
+    struct purse purse = {.most = 100000};
+    const struct proto_writer_account account = {take, give, &purse};
+    struct proto_writer writer;
+    struct proto_problem problem;
+    proto_writer_init(&writer, SIZE_MAX);
+    writer.account = &account;
+    append_many(&writer, 200000);
+    assert_true(writer.size <= 100000);
+    assert_false(proto_writer_check(&writer, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+    assert_int_equal(problem.retry_after, 1);
+    proto_writer_free(&writer);
+    assert_int_equal(purse.taken, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -178,6 +249,8 @@ int main(void)
         cmocka_unit_test(stops_at_its_maximum_for_good),
         cmocka_unit_test(holds_a_size_that_is_no_power_of_two),
         cmocka_unit_test(makes_room_once_for_what_is_expected),
+        cmocka_unit_test(counts_large_buffers_until_they_are_freed),
+        cmocka_unit_test(fails_when_there_is_no_room),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

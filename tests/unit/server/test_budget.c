@@ -127,6 +127,36 @@ static void does_not_evict_for_what_can_not_be_had(void **state)
     assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 50);
 }
 
+#define KIB ((size_t)1 << 10)
+
+static void answers_leave_a_part_to_others(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    assert_int_equal(budget.largest_answer, 256 * KIB);
+    assert_true(server_budget_take_answer(&budget, 500 * KIB));
+    assert_false(server_budget_take_answer(&budget, 100 * KIB)); /* half of the budget is for all of them */
+    assert_true(server_budget_take_answer(&budget, 60 * KIB));   /* small ones may have more, */
+    for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
+    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* but not all */
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
+    assert_int_equal(server_budget_available(&budget), 1024 * KIB - budget.total);
+    server_budget_give(&budget, SERVER_BUDGET_ANSWERS, budget.used[SERVER_BUDGET_ANSWERS]);
+    assert_int_equal(budget.total, 200 * KIB);
+}
+
+static void texts_take_from_the_answers(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    assert_true(budget.answers.take(budget.answers.user, 10 * KIB));
+    assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 10 * KIB);
+    budget.answers.give(budget.answers.user, 10 * KIB);
+    assert_int_equal(budget.total, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -138,6 +168,8 @@ int main(void)
         cmocka_unit_test(reclaims_what_is_missing),
         cmocka_unit_test(workspaces_go_before_fields),
         cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
+        cmocka_unit_test(answers_leave_a_part_to_others),
+        cmocka_unit_test(texts_take_from_the_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -52,7 +52,7 @@ static bool store(struct server_exchange *exchange)
         server_request_fail(exchange, outcome);
         return true;
     }
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, SERVER_DESCRIPTION_MOST);
     proto_write_array_begin(&writer);
     for (uint32_t i = 0; i < making->count; i++) {
         struct server_surface *surface = making->made[i].surface;
@@ -85,7 +85,7 @@ static void handle_attachment(struct server_exchange *exchange)
     struct server_surface *surface = server_request_surface(exchange);
     struct proto_writer writer;
     if (!surface) return;
-    proto_writer_init(&writer, SERVER_REPLY_MOST);
+    proto_writer_init(&writer, SERVER_DESCRIPTION_MOST);
     proto_write_array_begin(&writer);
     for (size_t i = 0; surface->attachment && i < surface->record->attachment_size; i++)
         proto_write_uint(&writer, ((unsigned char *)surface->attachment)[i]);

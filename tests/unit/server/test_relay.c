@@ -22,6 +22,7 @@ static bool is_gone(void *user)
 static int set_up(void **state)
 {
     (void)state;
+    server_budget_init(&server.budget, 64 << 20);
     server.events = server_events_create();
     server.workers = server_workers_create(1, 10);
     relay = server_relay_create(&server, false);
@@ -37,6 +38,7 @@ static int tear_down(void **state)
     server_relay_release(relay);
     server_workers_destroy(server.workers);
     server_events_destroy(server.events);
+    assert_int_equal(server.budget.total, 0);
     return 0;
 }
 

@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""Answers in memory: clients ask for large answers of every kind and do not read them, others make many lists at once. Resident memory stays within the
+budget, 10 % and 64 MiB, /livez is answered all the time, and what is not read is let go of.
+
+    tests/fault/answers.py [--budget MIB] [--clients N] [--only KIND] [--short]
+
+--short: a small budget, small surfaces, and no figure of /livez that a busy machine could spoil.
+"""
+import argparse
+import contextlib
+import json
+import socket
+import struct
+import sys
+import tempfile
+import threading
+import time
+
+import mix
+import process
+from common import GONE, Daemon
+from figures import conclude, quantile, report
+from harness import sample, wait_until
+
+MIB = 1 << 20
+SLACK = 64 * MIB
+LISTS = 20
+LIVEZ_MS = 50
+CUT_SECONDS = 45  # the library's timer of 30 seconds, and some
+JSON = {"Content-Type": "application/json"}
+FLAGS = ("--max-body", "16MiB", "--workers", "2", "--http-threads", "2", "--landmarks", "0")
+
+
+def loose_triangles(count):
+    """A binary STL file of triangles that touch nothing: as many boundary loops."""
+    triangles = b"".join(struct.pack("<12fH", 0, 0, 0, 2 * i, 0, 0, 2 * i + 1, 0, 0, 2 * i, 1, 0, 0) for i in range(count))
+    return b"\0" * 80 + struct.pack("<I", count) + triangles
+
+
+class Watch(threading.Thread):
+    """The most resident memory, and how long /livez takes, until it is stopped."""
+
+    def __init__(self, daemon):
+        super().__init__()
+        self.target_daemon, self.most, self.seconds, self.failures, self.stopped = daemon, 0, [], 0, threading.Event()
+
+    def run(self):
+        while not self.stopped.wait(0.01):
+            self.most = max(self.most, process.resident(self.target_daemon))
+            began = time.monotonic()
+            try:
+                if self.target_daemon.get("/livez").status != 200:
+                    self.failures += 1
+            except GONE:
+                self.failures += 1
+            self.seconds.append(time.monotonic() - began)
+
+
+@contextlib.contextmanager
+def watched(daemon):
+    watch = Watch(daemon)
+    watch.start()
+    try:
+        yield watch
+    finally:
+        watch.stopped.set()
+        watch.join()
+
+
+def ask_unread(daemon, request):
+    """A connection on which the request was sent; the kernel takes little of what comes."""
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    connection.settimeout(60)
+    connection.connect(("127.0.0.1", daemon.port))
+    connection.sendall(mix.encode(request))
+    return connection
+
+
+def await_answers(daemon):
+    """Until no request waits for a worker or is with one."""
+    calm = 0
+    while calm < 3:
+        calm = 0 if daemon.metric("requests_deferred") else calm + 1
+        time.sleep(0.05)
+
+
+def status_of(connection):
+    with contextlib.suppress(OSError):
+        return connection.recv(12).decode().rpartition(" ")[2]
+    return "cut"
+
+
+def held_by_answers(daemon):
+    return process.metrics(daemon).get('memory_bytes{class="answers"}', 0)
+
+
+class Trial:
+    """One daemon, and what was seen of it."""
+
+    def __init__(self, daemon, budget, options):
+        self.daemon, self.budget, self.options, self.held = daemon, budget, options, []
+        self.empty = process.resident(daemon)
+
+    def judge(self, kind, watch, note):
+        grown, bound = watch.most - self.empty, 1.1 * self.budget + SLACK
+        p99 = 1000 * quantile(watch.seconds, 0.99)
+        asked = f"{bound / MIB:.0f} MiB; /livez " + ("never fails" if self.options.short else f"p99 <= {LIVEZ_MS} ms")
+        is_served = not watch.failures and (self.options.short or p99 <= LIVEZ_MS)
+        self.held.append(report(f"memory: {kind}", asked, f"{grown / MIB:.0f} MiB of a budget of {self.budget / MIB:.0f}; /livez p99 {p99:.1f} ms of "
+                                f"{len(watch.seconds)}, {watch.failures} failed; {note}", grown <= bound and is_served))
+
+    def let_go(self, connections):
+        for connection in connections:
+            connection.close()
+        wait_until(lambda: held_by_answers(self.daemon) < MIB)
+
+    def unread(self, kind, request):
+        with watched(self.daemon) as watch:
+            connections = [ask_unread(self.daemon, request) for _ in range(self.options.clients)]
+            await_answers(self.daemon)
+            held = held_by_answers(self.daemon)
+            time.sleep(self.options.dwell)
+            statuses = [status_of(connection) for connection in connections]
+            self.let_go(connections)
+            time.sleep(self.options.dwell)
+        counts = ", ".join(f"{statuses.count(status)} x {status}" for status in sorted(set(statuses)))
+        self.judge(f"{len(connections)} unread answers of {kind}", watch, f"{counts}; {held / MIB:.0f} MiB of answers")
+
+
+# --- what is asked for ----------------------------------------------------------------------------------------------------
+
+
+def post(kind, path, document):
+    return mix.Request(kind, "POST", f"/v1/{path}", json.dumps(document).encode(), JSON)
+
+
+def get(kind, path, **headers):
+    return mix.Request(kind, "GET", f"/v1/{path}", None, headers)
+
+
+def in_ring(count):
+    """Vertices around the small torus, so that a curve through them goes round."""
+    return [{"vertex": i} for i in range(0, 48, 48 // count)]
+
+
+def requests(daemon, size):
+    """Of answers of some `size` bytes, where their kind can have so many."""
+    points = size // 60
+    rows = int((size / 19) ** 0.5)
+    those = [{"vertex": i % 1152} for i in range(rows)]
+    fine = daemon.ask("fine", "fields", {"set": {"points": [{"vertex": 0}, {"vertex": 700}]}}).json["id"]
+    yield post("trace", "meshes/ring/trace", {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": min(100000, points // 8)})
+    yield post("curve", "meshes/ring/curve", {"curve": {"points": in_ring(4), "closed": True}, "operation": "resample", "count": min(100000, points // 8)})
+    yield post("spline", "meshes/ring/spline", {"points": in_ring(4), "samples": min(1000, points // 40), "frames": True})
+    yield post("matrix", "meshes/ring/matrix", {"sources": those, "targets": those})
+    yield get("isolines", f"meshes/fine/fields/{fine}/isolines?count={max(1, min(500, size // 60000))}")
+    yield get("values", f"meshes/fine/fields/{fine}/values")
+    yield get("values", f"meshes/fine/fields/{fine}/values", Accept="application/octet-stream")
+    yield get("values", f"meshes/fine/fields/{fine}/values", **{"Accept-Encoding": "gzip"})
+    yield get("values", f"meshes/fine/fields/{fine}/values?format=ply")
+    yield post("voronoi", "meshes/fine/voronoi", {"set": {"points": [{"vertex": 97 * i} for i in range(40)]}})
+    yield get("wedges", f"meshes/fine/fields/{fine}/wedges?edge=0-1")
+    yield get("picture", f"meshes/fine/picture.png?source=v:0&size=800x800")
+    yield get("picture", f"meshes/fine/picture.svg?source=v:0&size=800x800")
+    for name in ("obj", "ply", "gltf"):
+        yield get("content", f"meshes/fine/content?format={name}")
+
+
+def try_answers(trial, cells):
+    daemon = trial.daemon
+    daemon.put("ring", sample("torus", columns=48, rows=24))
+    daemon.put("fine", sample("terrain", cells=cells, amplitude=1))
+    for request in requests(daemon, trial.budget // 6):
+        if trial.options.only in request.kind:
+            name = request.kind + (f" ({', '.join(request.headers.values())})" if request.method == "GET" and request.headers else "")
+            trial.unread(name + (f" ({request.path.partition('format=')[2]})" if "format=" in request.path else ""), request)
+
+
+def try_kept(trial):
+    """Results of jobs, and pages of a batch's."""
+    daemon = trial.daemon
+    count = int((trial.budget / 24 / 19) ** 0.5)
+    those = [{"vertex": i % 1152} for i in range(count)]
+    daemon.put("ring", sample("torus", columns=48, rows=24))
+    accepted = daemon.ask("ring", "matrix", {"sources": those, "targets": those}, {"Prefer": "respond-async"})
+    job = daemon.ended(accepted)["id"]
+    trial.unread("a job's result", get("jobs", f"jobs/{job}/result"))
+    trial.unread("a job with its result", get("jobs", f"jobs/{job}"))
+    begun = daemon.request("POST", "/v1/batches", json.dumps({"query": "all-pairs", "mesh": "ring", "vertices": list(range(400))}), JSON).json["id"]
+    wait_until(lambda: daemon.get(f"/v1/batches/{begun}").json["state"] == "done")
+    trial.unread("a batch's results", get("batches", f"batches/{begun}/results?limit=1000"))
+
+
+def try_lists(trial, meshes, triangles):
+    """Meshes with very many boundaries: their descriptions; lists that are asked for at once; /livez beside clients that ask without end."""
+    daemon, body = trial.daemon, loose_triangles(triangles)
+    with watched(daemon) as watch:
+        statuses = [daemon.put(f"loose{number}", body).status for number in range(meshes)]
+    listed = len(daemon.get("/v1/meshes?limit=1000").json["meshes"])
+    trial.judge(f"{meshes} uploads of {triangles} loose triangles", watch, f"{statuses.count(201)} taken; {listed} on the first page")
+    trial.unread("lists", get("list", "meshes?limit=1000"))
+    with watched(daemon) as watch:
+        crowd = [threading.Thread(target=ask_often, args=(daemon, "/v1/meshes?limit=1000", trial.options.rounds)) for _ in range(LISTS)]
+        for each in crowd:
+            each.start()
+        for each in crowd:
+            each.join()
+    trial.judge(f"{LISTS} clients that list without a pause", watch, f"{trial.options.rounds} lists each")
+
+
+def ask_often(daemon, path, count):
+    connection = daemon.connect()
+    for _ in range(count):
+        daemon.request("GET", path, connection=connection)
+    connection.close()
+
+
+def try_cut(trial, cells):
+    """What nobody reads is gone after a while, although the clients stay."""
+    daemon = trial.daemon
+    daemon.put("fine", sample("terrain", cells=cells, amplitude=1))
+    connections = [ask_unread(daemon, get("content", "meshes/fine/content?format=obj")) for _ in range(trial.options.clients)]
+    await_answers(daemon)
+    began, held = time.monotonic(), held_by_answers(daemon)
+    with contextlib.suppress(TimeoutError):
+        wait_until(lambda: held_by_answers(daemon) < MIB, CUT_SECONDS)
+    seconds = time.monotonic() - began
+    trial.held.append(report("memory: answers that are not read", f"cut in {CUT_SECONDS} s", f"{held / MIB:.0f} MiB gone after {seconds:.0f} s", seconds < CUT_SECONDS))
+    for connection in connections:
+        connection.close()
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--budget", type=int, default=256)
+    arguments.add_argument("--clients", type=int, default=30)
+    arguments.add_argument("--rounds", type=int, default=50, help="lists of each client")
+    arguments.add_argument("--dwell", type=float, default=2, help="seconds that answers stay unread, and that /livez is watched afterwards")
+    arguments.add_argument("--only", default="")
+    arguments.add_argument("--short", action="store_true")
+    options = arguments.parse_args()
+    if options.short:
+        options.budget, options.rounds, options.dwell = 64, 3, 0
+    budget, held = options.budget * MIB, []
+    cells = 80 if options.short else 200
+    trials = [(try_answers, cells), (try_kept,), (try_lists, *((40, 4000) if options.short else (300, 20000)))]
+    trials += [] if options.short or options.only else [(try_cut, cells)]
+    for attempt, *sizes in trials:
+        if options.only and attempt is not try_answers and options.only not in attempt.__name__:
+            continue
+        with tempfile.TemporaryDirectory() as place, Daemon("--data-dir", place, "--memory-budget", str(budget), *FLAGS) as daemon:
+            trial = Trial(daemon, budget, options)
+            attempt(trial, *sizes)
+            held += trial.held
+    return conclude("answers", held)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
