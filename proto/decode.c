@@ -31,6 +31,22 @@ static size_t first_too_deep(const char *text, size_t size)
     return size;
 }
 
+/* Bytes of jansson's for an empty object and an empty array, a value in one and where it is decoded to, a member's name and value. */
+#define OBJECT_BYTES 256
+#define ARRAY_BYTES  160
+#define VALUE_BYTES  80
+#define MEMBER_BYTES 136
+
+size_t proto_decode_cost(const void *bytes, size_t size)
+{
+    static const unsigned short costs[256] = {
+        ['{'] = OBJECT_BYTES, ['['] = ARRAY_BYTES, [','] = VALUE_BYTES, [':'] = MEMBER_BYTES};
+    const unsigned char *text = bytes;
+    size_t cost = 2 * size;
+    for (size_t i = 0; i < size; i++) cost += costs[text[i]];
+    return cost;
+}
+
 static json_t *parse(const char *text, size_t size, struct proto_problem *problem)
 {
     json_error_t error;

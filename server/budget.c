@@ -18,8 +18,9 @@ static void give_text(void *budget, size_t bytes)
 
 void server_budget_init(struct server_budget *budget, size_t limit)
 {
-    *budget = (struct server_budget){
-        .limit = limit, .largest_answer = limit / SERVER_BUDGET_ANSWER_PART, .answers = {take_text, give_text, budget}};
+    *budget = (struct server_budget){.limit = limit,
+                                     .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART,
+                                     .answers = {take_text, give_text, budget}};
 }
 
 static bool try_take(struct server_budget *budget, size_t bytes)

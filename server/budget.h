@@ -48,9 +48,7 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Parts of the budget: what one answer takes at most, what all answers together leave to others, and what they leave when only
- * small ones are added. */
-#define SERVER_BUDGET_ANSWER_PART        4
+/* Parts of the budget that answers leave to others, all of them together; and when only small ones are added. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 

@@ -66,9 +66,9 @@ static const struct server_setting options[] = {
     {"max-body", "BYTES", "largest request body", KIND_BYTES, MEMBER(max_body), 1 << 10, UINT64_C(1) << 40, "256MiB",
      NULL},
     {"max-answer", "BYTES",
-     "largest answer, which is held in the memory budget until its client has read it; a quarter of --memory-budget at "
+     "largest answer, which is held in the memory budget until its client has read it; half of --memory-budget at "
      "most",
-     KIND_BYTES, MEMBER(max_answer), 64 << 10, UINT64_C(1) << 40, "256MiB", NULL},
+     KIND_BYTES, MEMBER(max_answer), 64 << 10, UINT64_C(1) << 40, "1GiB", NULL},
     {"max-faces", "N", "most triangles of a mesh", KIND_COUNT, MEMBER(max_faces), 1, 1 << 30, "10000000", NULL},
     {"timeout-ms", "MS", "most time that a request may take; timeout_ms in a request can only shorten it", KIND_COUNT,
      MEMBER(timeout_ms), 1, 86400000, "60000", NULL},

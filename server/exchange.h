@@ -112,6 +112,7 @@ struct server_exchange {
     bool (*join)(struct server_exchange *exchange);
     struct server_surface *surface; /* loaded for this exchange, which has a reference; NULL: none was */
     size_t held;                    /* bytes of SERVER_BUDGET_FLIGHT, given back when the exchange ends */
+    size_t parsed;                  /* bytes of it that are for a document which is being decoded (request.h) */
     void *state;                    /* the handler's own, kept over a deferral, until the answer is there */
     void (*free_state)(void *state);
 

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "proto/decode.h"
 #include "server/build.h"
 #include "server/kind.h"
 #include "server/nurbs.h"
@@ -39,7 +40,6 @@ static struct proto_nurbs_options options_of(const struct server_record *record)
 
 /* --- building ----------------------------------------------------------------------------------------------------- */
 
-#define READ_FACTOR        33 /* bytes that reading takes at most for each byte of the file: 66 a number and its comma */
 #define READ_SHARE         0.2
 #define TESSELLATION_BYTES ((size_t)8 << 20) /* that most take while they are built */
 #define GROWTH             4
@@ -63,7 +63,7 @@ static enum gd_status read_surface(struct making *making, const void *bytes, str
     const struct server_builder *builder = making->builder;
     const struct proto_nurbs_options options = options_of(making->record);
     struct server_nurbs *nurbs = making->nurbs;
-    size_t size = (size_t)making->record->size, cost = size * READ_FACTOR;
+    size_t size = (size_t)making->record->size, cost = proto_decode_cost(bytes, size);
     enum gd_status status = server_build_take(builder, making->record, cost, problem);
     if (status) return status;
     bool ok = proto_nurbs_read(bytes, size, &options, &nurbs->surface, &nurbs->form, problem);

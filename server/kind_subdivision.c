@@ -4,6 +4,7 @@
 
 #include "proto/mesh.h"
 #include "proto/subdivision.h"
+#include "proto/decode.h"
 #include "server/build.h"
 #include "server/kind.h"
 #include "server/subdivision.h"
@@ -41,7 +42,7 @@ static struct proto_subdivision_options options_of(const struct server_record *r
 
 /* --- building ----------------------------------------------------------------------------------------------------- */
 
-#define READ_FACTOR    33 /* bytes that reading takes at most for each byte of the file: JSON, 66 a number and its comma */
+#define READ_FACTOR    33 /* bytes that reading takes at most for each byte of a file that is no JSON */
 #define READ_SHARE     0.5
 #define BYTES_A_CORNER 400 /* that most take while the surface is made */
 #define BYTES_A_MAKING ((size_t)1 << 20)
@@ -88,7 +89,8 @@ static enum gd_status read_file(struct making *making, const void *bytes, struct
     const struct gd_control control = server_build_control(&part, 0);
     const struct gd_read_limits limits = {.max_faces = builder->max_faces, .control = &control};
     const struct proto_subdivision_options options = options_of(making->record);
-    size_t size = (size_t)making->record->size, cost = size * READ_FACTOR;
+    size_t size = (size_t)making->record->size;
+    size_t cost = options.format == GD_FORMAT_JSON ? proto_decode_cost(bytes, size) : size * READ_FACTOR;
     size_t placed = gd_read_cost(bytes, size, options.format, &limits); /* of glTF, which may place a mesh many times */
     if (placed > cost) cost = placed;
     enum gd_status status = server_build_take(builder, making->record, cost, problem);

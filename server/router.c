@@ -13,6 +13,7 @@
 #include "server/server.h"
 
 #define QUERY_BODY_LIMIT  (UINT64_C(1) << 20) /* bytes of a query's JSON */
+#define BATCH_BODY_LIMIT  (UINT64_C(4) << 20) /* of what begins a batch */
 #define INLINE_BODY_LIMIT 8192                /* larger JSON takes longer to parse than the HTTP thread may be kept */
 #define CORS_SECONDS      600
 #define SERIALS           4096 /* of requests, that a thread takes at a time */
@@ -134,6 +135,7 @@ static bool prepare_body(struct server_exchange *exchange, const struct server_f
         return proto_problem_set(problem, PROTO_PROBLEM_LENGTH_REQUIRED,
                                  "send the request body with a Content-Length, or chunked");
     if (route->query && limit > QUERY_BODY_LIMIT) limit = QUERY_BODY_LIMIT;
+    if (route->handle == server_handle_create_batch && limit > BATCH_BODY_LIMIT) limit = BATCH_BODY_LIMIT;
     return server_body_prepare(&exchange->body, &exchange->server->budget, framing->declared, limit, problem) &&
            prepare_coding(exchange, problem);
 }

@@ -84,11 +84,13 @@ static bool read_line(struct batch *batch, struct proto_problem *problem)
 {
     struct proto_parameters parameters = server_exchange_parameters(batch->exchange);
     struct proto_batch_query line;
-    if (!proto_batch_decode(&batch->line, &line, problem)) return false;
-    bool ok = create_query(batch, line.name, problem) &&
+    if (!server_request_begin_parsing(batch->exchange, batch->line.text, batch->line.size, problem)) return false;
+    bool is_read = proto_batch_decode(&batch->line, &line, problem);
+    bool ok = is_read && create_query(batch, line.name, problem) &&
               proto_batch_options(&line, &parameters, batch->query->kind->fields, &batch->query->options, problem) &&
               batch->query->kind->decode(batch->query, line.document, problem);
-    proto_batch_query_free(&line);
+    if (is_read) proto_batch_query_free(&line);
+    server_request_end_parsing(batch->exchange);
     return ok;
 }
 

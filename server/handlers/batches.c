@@ -141,10 +141,11 @@ static bool create(struct server_exchange *exchange)
     if (document && proto_many_decode(document, &many, &problem)) {
         add_batch(exchange, &many);
         proto_many_free(&many);
-        return true;
+    } else {
+        json_decref(document);
+        server_reply_problem(exchange, &problem);
     }
-    json_decref(document);
-    server_reply_problem(exchange, &problem);
+    server_request_end_parsing(exchange);
     return true;
 }
 

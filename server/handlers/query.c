@@ -230,6 +230,7 @@ static bool read_query(struct server_query *query, struct proto_problem *problem
     if (!document) return false;
     bool ok = kind->decode(query, document, problem);
     json_decref(document);
+    server_request_end_parsing(query->exchange);
     return ok;
 }
 

@@ -1,6 +1,7 @@
 /* See request.h. */
 #include "server/handlers/request.h"
 
+#include <malloc.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -10,7 +11,9 @@
 #include "server/reply.h"
 #include "server/server.h"
 
-#define KIND_SEGMENT 1 /* of the path */
+#define KIND_SEGMENT     1                  /* of the path */
+#define PARSED_UNCOUNTED ((size_t)16 << 10) /* bytes of a text whose document is not counted */
+#define PARSED_TRIMMED   ((size_t)16 << 20) /* bytes of a document after which freed memory is given back to the system */
 
 const struct server_kind *server_request_kind(const struct server_exchange *exchange)
 {
@@ -253,10 +256,40 @@ static bool is_json(const char *content_type)
     return size == strlen(json) && strncasecmp(content_type, json, size) == 0;
 }
 
-json_t *server_request_document(const struct server_exchange *exchange, struct proto_problem *problem)
+bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
+                                  struct proto_problem *problem)
 {
-    if (is_json(server_exchange_header(exchange, "Content-Type")))
-        return proto_decode_document(exchange->body.bytes, exchange->body.size, problem);
+    struct server_budget *budget = &exchange->server->budget;
+    size_t cost = size > PARSED_UNCOUNTED ? proto_decode_cost(text, size) : 0;
+    if (cost && !server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
+        return server_budget_refuse(budget, "the request's JSON", cost, problem);
+    exchange->parsed = cost;
+    exchange->held += cost;
+    return true;
+}
+
+/* Of many small blocks the allocator keeps what lies before the last one that is still in use. */
+void server_request_end_parsing(struct server_exchange *exchange)
+{
+    size_t parsed = exchange->parsed;
+    server_budget_give(&exchange->server->budget, SERVER_BUDGET_FLIGHT, parsed);
+    exchange->held -= parsed;
+    exchange->parsed = 0;
+    if (parsed > PARSED_TRIMMED) malloc_trim(0);
+}
+
+static json_t *parse_body(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    const struct server_body *body = &exchange->body;
+    if (!server_request_begin_parsing(exchange, body->bytes, body->size, problem)) return NULL;
+    json_t *document = proto_decode_document(body->bytes, body->size, problem);
+    if (!document) server_request_end_parsing(exchange);
+    return document;
+}
+
+json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem)
+{
+    if (is_json(server_exchange_header(exchange, "Content-Type"))) return parse_body(exchange, problem);
     proto_problem_set(problem, PROTO_PROBLEM_UNSUPPORTED_MEDIA_TYPE,
                       "a query is JSON: send it with the header Content-Type: application/json");
     return NULL;

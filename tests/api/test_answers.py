@@ -9,7 +9,8 @@ import unittest
 from harness import TETRAHEDRON, Daemon, TestCase, sample, wait_until
 
 MIB = 1 << 20
-RING = 1152  # vertices
+RING = 24  # vertices that are asked about
+LARGE = {"start": {"vertex": 0}, "fan": 8, "length": 1e6, "step_limit": 14000}  # a trace: some 9 MiB
 
 
 def loose_triangles(count):
@@ -35,21 +36,21 @@ class Large(TestCase):
     def setUp(self):
         self.daemon.put("ring", sample("torus", columns=48, rows=24))
 
-    def ask_unread(self, document):
-        body = json.dumps(document).encode()
+    def ask_unread(self):
+        body = json.dumps(LARGE).encode()
         connection = socket.socket()
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         connection.settimeout(60)
         connection.connect(("127.0.0.1", self.daemon.port))
-        connection.sendall(b"POST /v1/meshes/ring/matrix HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        connection.sendall(b"POST /v1/meshes/ring/trace HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
                            b"Content-Length: %d\r\n\r\n%b" % (len(body), body))
         return connection
 
     def test_unread_answers_are_held_in_the_budget_and_others_refused(self):
-        crowd = [self.ask_unread(square(700)) for _ in range(8)]
+        crowd = [self.ask_unread() for _ in range(8)]
         wait_until(lambda: not self.daemon.metric("requests_deferred") and held(self.daemon, "answers") > 8 * MIB)
         self.assertLessEqual(held(self.daemon, "answers"), 32 * MIB)  # half of the budget
-        refused = self.daemon.ask("ring", "matrix", square(700))
+        refused = self.daemon.ask("ring", "trace", LARGE)
         self.assert_problem(refused, 507, "insufficient_memory")
         self.assertEqual(refused.headers["Retry-After"], "1")
         self.assertEqual(self.daemon.ask("ring", "matrix", square(3)).status, 200)
@@ -59,13 +60,13 @@ class Large(TestCase):
         for connection in crowd:
             connection.close()
         wait_until(lambda: held(self.daemon, "answers") < MIB)
-        self.assertEqual(self.daemon.ask("ring", "matrix", square(700)).status, 200)
+        self.assertEqual(self.daemon.ask("ring", "trace", LARGE).status, 200)
 
     def test_an_answer_that_is_read_is_given_back(self):
         for headers in ({}, {"Accept-Encoding": "gzip"}, {"Accept": "application/octet-stream"}):
             answer = self.daemon.ask("ring", "matrix", square(300), headers)
             self.assertEqual(answer.status, 200)
-            self.assertGreater(len(answer.body), 100000)
+            self.assertGreater(len(answer.body), 10000)
         for form in ("obj", "ply", "gltf"):
             self.assertEqual(self.daemon.get(f"/v1/meshes/ring/content?format={form}").status, 200)
         wait_until(lambda: held(self.daemon, "answers") < MIB / 4)  # of this one about itself
@@ -164,6 +165,28 @@ class Busy(TestCase):
         self.assertEqual({answer.status for answer in answers}, {200})
         self.assertEqual(self.daemon.get(hog).json["state"], "running")
         self.daemon.request("DELETE", hog)
+
+
+class Documents(TestCase):
+    """A text of JSON takes up to a hundred times its size when it is parsed."""
+
+    flags = ("--memory-budget", "64MiB", "--max-body", "32MiB", "--landmarks", "0")
+
+    def test_a_parsed_document_is_in_the_budget(self):
+        self.daemon.put("tetra", TETRAHEDRON)
+        empty = b"{}" + b",{}" * 330000
+        for path, body in (("meshes/tetra/matrix", b'{"sources":[' + empty + b"]}"), ("batches", b'{"query":"all-pairs","mesh":"tetra","vertices":[' + empty + b"]}"),
+                           ("nurbs", b'{"controlPoints":[' + empty + b"]}")):
+            answer = self.daemon.request("POST", f"/v1/{path}", body, {"Content-Type": "application/json"})
+            self.assert_problem(answer, 507, "insufficient_memory")
+        batch = "\n".join(["{}", "[" + "[]," * 80000 + "[]]"])
+        answer = self.daemon.request("POST", "/v1/meshes/tetra/batch", batch, {"Content-Type": "application/x-ndjson"})
+        self.assertEqual([json.loads(line)["status"] for line in answer.body.splitlines()], [400, 400])
+        self.assertEqual(held(self.daemon, "flight"), 0)
+
+    def test_what_begins_a_batch_has_a_largest_size(self):
+        answer = self.daemon.request("POST", "/v1/batches", b"[" + b" " * (5 * MIB) + b"]", {"Content-Type": "application/json"})
+        self.assertEqual(self.assert_problem(answer, 413, "too_large")["limit"], 4 * MIB)
 
 
 class Remembered(unittest.TestCase):

@@ -134,7 +134,7 @@ static void answers_leave_a_part_to_others(void **state)
     (void)state;
     struct server_budget budget;
     server_budget_init(&budget, 1024 * KIB);
-    assert_int_equal(budget.largest_answer, 256 * KIB);
+    assert_int_equal(budget.largest_answer, 512 * KIB);
     assert_true(server_budget_take_answer(&budget, 500 * KIB));
     assert_false(server_budget_take_answer(&budget, 100 * KIB)); /* half of the budget is for all of them */
     assert_true(server_budget_take_answer(&budget, 60 * KIB));   /* small ones may have more, */
