@@ -72,15 +72,12 @@ bool server_budget_take_spare(struct server_budget *budget, enum server_budget_c
     return true;
 }
 
+/* Answers that grow at the same time may pass their part by a step each, never the limit. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
 {
-    atomic_size_t *used = &budget->used[SERVER_BUDGET_ANSWERS];
     size_t part = bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
-    size_t most = budget->limit - budget->limit / part;
-    bool is_within = atomic_fetch_add(used, bytes) + bytes <= most;
-    if (is_within && (try_take(budget, bytes) || take_by_reclaiming(budget, bytes))) return true;
-    atomic_fetch_sub(used, bytes);
-    return false;
+    size_t most = budget->limit - budget->limit / part, used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
+    return bytes <= most && used <= most - bytes && server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
 }
 
 void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)

@@ -146,6 +146,23 @@ static void answers_leave_a_part_to_others(void **state)
     assert_int_equal(budget.total, 200 * KIB);
 }
 
+static void give_fields(void *user, size_t bytes)
+{
+    server_budget_give(user, SERVER_BUDGET_FIELDS, bytes);
+}
+
+static void answers_may_take_what_fields_hold(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){give_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 1000 * KIB));
+    assert_true(server_budget_take_answer(&budget, 500 * KIB));
+    assert_false(server_budget_take_answer(&budget, SIZE_MAX));
+    assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 500 * KIB);
+}
+
 static void texts_take_from_the_answers(void **state)
 {
     (void)state;
@@ -169,6 +186,7 @@ int main(void)
         cmocka_unit_test(workspaces_go_before_fields),
         cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
         cmocka_unit_test(answers_leave_a_part_to_others),
+        cmocka_unit_test(answers_may_take_what_fields_hold),
         cmocka_unit_test(texts_take_from_the_answers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

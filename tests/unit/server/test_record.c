@@ -1,5 +1,7 @@
 #include "records.h"
 
+#include "proto/writer.h"
+
 #include <malloc.h>
 #include <stdio.h>
 
@@ -203,6 +205,50 @@ static void nothing_is_left_without_memory(void **state)
     free(text);
 }
 
+static void is_counted_once_until_it_is_released(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    struct server_record *record = new_record("a", "v 0 0 0\n"), *other = new_record("b", "v 0 0 0\n");
+    server_budget_init(&budget, sizeof *record + 1000);
+    assert_true(server_record_take(record, &budget));
+    size_t bytes = budget.used[SERVER_BUDGET_RECORDS];
+    assert_in_range(bytes, sizeof *record, sizeof *record + 1000);
+    assert_true(server_record_take(record, &budget));
+    server_record_count(record, &budget);
+    assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], bytes);
+    assert_false(server_record_take(other, &budget));
+    server_record_count(other, &budget); /* it is there, so it counts */
+    assert_int_equal(budget.used[SERVER_BUDGET_RECORDS], 2 * bytes);
+    assert_non_null(server_record_catalogue(record));
+    assert_true(budget.used[SERVER_BUDGET_RECORDS] > 2 * bytes);
+    server_record_release(record);
+    server_record_release(other);
+    assert_int_equal(budget.total, 0);
+}
+
+static void a_long_description_is_shortened_when_it_is_read(void **state)
+{
+    (void)state;
+    struct server_record *record = new_record("a", "v 0 0 0\n"), *again;
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, 1 << 20);
+    proto_append_format(&writer, "{\"name\":\"a\",\"boundaries\":[{\"vertices\":3,\"length\":1}");
+    for (int i = 1; i < 5000; i++) proto_append_format(&writer, ",{\"vertices\":3,\"length\":%d}", i);
+    proto_append(&writer, "]}", 3);
+    free(record->description);
+    record->description = proto_writer_take(&writer, &size);
+    char *text = server_record_write(record, &size);
+    assert_int_equal(server_record_read(text, size, &again), SERVER_RECORD_READ);
+    assert_true(strlen(again->description) < 4096);
+    assert_non_null(strstr(again->description, "\"boundary_count\":5000"));
+    assert_string_equal(again->etag, record->etag);
+    server_record_release(again);
+    server_record_release(record);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -213,6 +259,8 @@ int main(void)
         cmocka_unit_test(only_whole_records_are_read),
         cmocka_unit_test(version_1_is_a_mesh_of_nobody),
         cmocka_unit_test(nothing_is_left_without_memory),
+        cmocka_unit_test(is_counted_once_until_it_is_released),
+        cmocka_unit_test(a_long_description_is_shortened_when_it_is_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
