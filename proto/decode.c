@@ -31,7 +31,8 @@ static size_t first_too_deep(const char *text, size_t size)
     return size;
 }
 
-/* Bytes of jansson's for an empty object and an empty array, a value in one and where it is decoded to, a member's name and value. */
+/* Bytes of jansson's for an empty object and an empty array, a value in one and where it is decoded
+ * to, a member's name and value. */
 #define OBJECT_BYTES 256
 #define ARRAY_BYTES  160
 #define VALUE_BYTES  80

@@ -16,7 +16,8 @@
 
 #define PROTO_DECODE_DEPTH 32 /* deepest nesting of arrays and objects */
 
-/* Upper bound of the memory that a document takes which is parsed from this text: up to a hundred times its size. O(size). */
+/* Upper bound of the memory that a document takes which is parsed from this text: up to a hundred
+ * times its size. O(size). */
 size_t proto_decode_cost(const void *bytes, size_t size);
 
 /* Parses a body: UTF-8 JSON, at most PROTO_DECODE_DEPTH deep, no duplicate members, no NUL, no number beyond the

@@ -57,8 +57,8 @@ enum proto_job_detail { PROTO_JOB_BRIEF, PROTO_JOB_EVENT, PROTO_JOB_FULL };
 
 void proto_job_encode(struct proto_writer *writer, const struct proto_job *job, enum proto_job_detail detail);
 
-/* The same as FULL up to where the body of its answer stands, then PROTO_JOB_TAIL follows. False, with nothing written, when no body stands there as it
- * is. */
+/* The same as FULL up to where the body of its answer stands, then PROTO_JOB_TAIL follows. False,
+ * with nothing written, when no body stands there as it is. */
 bool proto_job_encode_head(struct proto_writer *writer, const struct proto_job *job);
 #define PROTO_JOB_TAIL "}"
 

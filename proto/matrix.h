@@ -33,8 +33,8 @@ struct proto_matrix_answer {
 void proto_matrix_encode(struct proto_writer *writer, const struct proto_matrix_answer *answer,
                          const struct proto_options *options);
 
-/* Writes the distances as little-endian float64 by row, NaN where one is null, to `out`, if that is not NULL; returns the
- * bytes: 8 x rows x columns. */
+/* Writes the distances as little-endian float64 by row, NaN where one is null, to `out`, if that is
+ * not NULL; returns the bytes: 8 x rows x columns. */
 size_t proto_matrix_bytes(const struct proto_matrix_answer *answer, void *out);
 
 #endif

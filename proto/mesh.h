@@ -49,11 +49,12 @@ struct proto_mesh_description {
 
 void proto_mesh_encode(struct proto_writer *writer, const struct proto_mesh_description *description);
 
-/* Writes a page of the boundary loops: at most `limit`, from the one behind the number `after` on (-1: from the first). */
+/* Writes a page of the boundary loops: at most `limit`, from the one behind the number `after` on
+ * (-1: from the first). */
 void proto_boundaries_encode(struct proto_writer *writer, const struct gd_mesh *mesh, int64_t after, uint32_t limit);
 
-/* The description with no more boundaries than one has that is written now, malloc'ed: versions before wrote them all. NULL when it is
- * short, or no description, or without memory. */
+/* The description with no more boundaries than one has that is written now, malloc'ed: versions
+ * before wrote them all. NULL when it is short, or no description, or without memory. */
 char *proto_mesh_shorten(const char *description);
 
 #endif

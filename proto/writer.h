@@ -13,8 +13,8 @@
  * after the first one nothing more is written, so that it is checked once, at the end. One writer belongs to one thread
  * at a time.
  *
- * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives them back when the text is
- * freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
+ * A writer with an account takes the bytes of its buffer from it before the buffer grows, and gives
+ * them back when the text is freed. Buffers up to PROTO_WRITER_SMALL bytes are not counted. */
 #ifndef PROTO_WRITER_H
 #define PROTO_WRITER_H
 
@@ -58,8 +58,8 @@ void proto_writer_free(struct proto_writer *writer); /* a second time is harmles
 /* Makes room at once for about so many bytes that are to come, instead of now and then. */
 void proto_writer_expect(struct proto_writer *writer, size_t more);
 
-/* True, or false with insufficient_memory: out of memory, no room in the account (retry_after is set), or over the maximum, which
- * is the problem's limit then. */
+/* True, or false with insufficient_memory: out of memory, no room in the account (retry_after is
+ * set), or over the maximum, which is the problem's limit then. */
 bool proto_writer_check(const struct proto_writer *writer, struct proto_problem *problem);
 
 /* Gives the text to the caller, who frees it by free(); *size bytes. Leaves the writer empty. NULL if the writer failed

@@ -48,7 +48,8 @@ struct server_reclaimer {
     void *user;
 };
 
-/* Parts of the budget that answers leave to others, all of them together; and when only small ones are added. */
+/* Parts of the budget that answers leave to others, all of them together; and when only small ones
+ * are added. */
 #define SERVER_BUDGET_ANSWERS_PART       2
 #define SERVER_BUDGET_SMALL_ANSWERS_PART 4
 
@@ -69,8 +70,8 @@ bool server_budget_take(struct server_budget *budget, enum server_budget_class c
 /* The same without letting go of anything. */
 bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes);
 
-/* Takes for an answer: false also when all answers together would pass their part of the budget, so that clients that do not
- * read what they asked for leave the rest of it to others. */
+/* Takes for an answer: false also when all answers together would pass their part of the budget, so
+ * that clients that do not read what they asked for leave the rest of it to others. */
 bool server_budget_take_answer(struct server_budget *budget, size_t bytes);
 
 /* Gives back what was taken. */

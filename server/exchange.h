@@ -48,7 +48,8 @@ struct server_response_header {
     char value[SERVER_HEADER_VALUE];
 };
 
-/* The middle of a body: bytes that are a part of something else, which counts them and stays until it is released. */
+/* The middle of a body: bytes that are a part of something else, which counts them and stays until
+ * it is released. */
 struct server_lent {
     const void *bytes; /* NULL: there is none, and `body` is all */
     size_t size;

@@ -7,8 +7,8 @@
 
 #include "proto/writer.h"
 
-/* Compresses `size` bytes fast rather than small. False without memory, or when `out` fails, whose maximum tells how small
- * the result is to be. */
+/* Compresses `size` bytes fast rather than small. False without memory, or when `out` fails, whose
+ * maximum tells how small the result is to be. */
 bool server_gzip(const void *bytes, size_t size, struct proto_writer *out);
 
 /* A text of unknown length. NULL without memory. */

@@ -260,7 +260,7 @@ static struct MHD_Response *make_streamed(struct call *call)
     return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read, call, NULL);
 }
 
-/* Copies what the body has from `position` on: its own text, what is lent, what stands behind that. */
+/* Copies the body from `position` on: its own text, then the lent bytes, then their tail. */
 static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
 {
     const struct server_response *reply = user;
@@ -282,8 +282,8 @@ static ssize_t on_body(void *user, uint64_t position, char *bytes, size_t size)
     return MHD_CONTENT_READER_END_OF_STREAM;
 }
 
-/* A large body is handed on block by block: one that the kernel is given as a whole takes it milliseconds, in which the thread's other
- * connections wait. It stays the exchange's. */
+/* A large body goes to the kernel in blocks: a system call that copies several MiB would delay the
+ * thread's other connections by milliseconds. The exchange keeps the body. */
 static struct MHD_Response *make_large(struct server_response *reply)
 {
     return MHD_create_response_from_callback(reply->size, LARGE_BLOCK, on_body, reply, NULL);

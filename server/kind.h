@@ -40,10 +40,12 @@ struct server_kind {
                             void **object, size_t *size, struct proto_problem *problem);
     void (*release)(void *object);
 
-    /* Writes the surface as GET answers it: one JSON object, of SERVER_DESCRIPTION_MOST bytes at most. */
+    /* Writes the surface as GET answers it: one JSON object, of SERVER_DESCRIPTION_MOST bytes at
+     * most. */
     void (*describe)(struct proto_writer *writer, const struct server_surface *surface);
 
-    /* A stored description that is longer than those written now, cut as they are, malloc'ed; NULL: it stays. May be NULL. */
+    /* A stored description that is longer than those written now, cut as they are, malloc'ed; NULL:
+     * it stays. May be NULL. */
     char *(*shorten)(const char *description);
 };
 

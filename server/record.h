@@ -75,8 +75,9 @@ struct server_origin {
  * without memory. */
 struct server_record *server_record_create(const struct server_origin *origin);
 
-/* Counts its memory as SERVER_BUDGET_RECORDS until it is released; a record that is counted already is not counted again. Before it is
- * shared. The first is false if there is no room; the second counts what is there, past the limit if need be. */
+/* Counts its memory as SERVER_BUDGET_RECORDS until it is released; a record that is counted already
+ * is not counted again. Before it is shared. The first is false if there is no room; the second
+ * counts what is there, past the limit if need be. */
 bool server_record_take(struct server_record *record, struct server_budget *budget);
 void server_record_count(struct server_record *record, struct server_budget *budget);
 

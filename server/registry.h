@@ -1,11 +1,13 @@
 /* Registry: the surfaces by key (key.h), those in memory and those that can be loaded.
  *
- * DESIGN. An array of slots sorted by key. A slot has a record, and the surface while it is in memory. What a key
- * is changes under the writer lock, which is held while the store makes the change durable: so conditions are
- * decided together with the write. The slots change under a reader-writer lock that is held for moments only: so
- * reading never waits for the disk. Who writes waits for it, and for those who wrote before: no worker has time for
- * that, so the registry has a thread of its own, its writer, which runs the jobs that put or remove. Order: writer
- * lock, then slots. Surfaces are retired and released after the slots' lock is given up, since that frees fields.
+ * DESIGN. An array of slots sorted by key. A slot has a record, and the surface while it is in
+ * memory. What a key is changes under the writer lock, which is held while the store makes the
+ * change durable: so conditions are decided together with the write. The slots change under a
+ * reader-writer lock that is held for moments only: so reading never waits for the disk. Who writes
+ * waits for it, and for those who wrote before: no worker has time for that, so the registry has a
+ * thread of its own, its writer, which runs the jobs that put or remove. A second one, its reader,
+ * runs the jobs that make lists. Order: writer lock, then slots. Surfaces are retired and released
+ * after the slots' lock is given up, since that frees fields.
  *
  * A store that other daemons share is followed by a thread, which brings what they change into the slots, under the follower's
  * lock (order: writer, follower, slots): as soon as the database tells, and every 200 ms in any case. A request that
@@ -25,8 +27,9 @@
 
 struct server_registry;
 
-/* With what the store holds, nothing of it loaded, and its writer started. The store becomes the registry's; the
- * budget, whose reclaimers it becomes part of, is borrowed. NULL without memory or thread: the store is closed. */
+/* With what the store holds, nothing of it loaded, and its writer and its reader started. The store
+ * becomes the registry's; the budget, whose reclaimers it becomes part of, is borrowed. NULL
+ * without memory or thread: the store is closed. */
 struct server_registry *server_registry_create(struct server_store *store, struct server_budget *budget);
 void server_registry_destroy(struct server_registry *registry); /* NULL is harmless */
 
@@ -36,8 +39,9 @@ void server_registry_destroy(struct server_registry *registry); /* NULL is harml
  * requests has admitted them. */
 void server_registry_submit(struct server_registry *registry, struct server_job *job);
 
-/* Has a job run that makes a list, of whatever: by a thread of its own, so that lists neither keep an HTTP thread nor wait for
- * long work. In the order in which they come, however many; they are short, so the daemon's drain waits for them. */
+/* Has a job run that makes a list, of whatever: by a thread of its own, so that lists neither keep
+ * an HTTP thread nor wait for long work. In the order in which they come, however many; they are
+ * short, so the daemon's drain waits for them. */
 void server_registry_submit_list(struct server_registry *registry, struct server_job *job);
 
 /* Refuses the jobs that are late; all of them, and those that come. */

@@ -7,10 +7,11 @@
  *     server_relay_end(relay, true);                   ... when all is written
  *     server_relay_release(relay);
  *
- * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex guards both. A writer that is
- * SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h) until half of them are read, so what is kept is bounded however
- * long the answer is; that memory is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close is how a client's leaving is told. Of locks, the events' ranks above the relay's, the
- * workers' below. */
+ * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
+ * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h)
+ * until half of them are read, so what is kept is bounded however long the answer is; that memory
+ * is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close is how
+ * a client's leaving is told. Of locks, the events' ranks above the relay's, the workers' below. */
 #ifndef SERVER_RELAY_H
 #define SERVER_RELAY_H
 
@@ -25,7 +26,8 @@ struct server;
 struct server_relay;
 struct server_stream;
 
-/* One reference. `is_packed`: the client reads gzip. NULL without memory, in the budget or in the system. */
+/* One reference. `is_packed`: the client reads gzip. NULL without memory, in the budget or in the
+ * system. */
 struct server_relay *server_relay_create(struct server *server, bool is_packed);
 void server_relay_release(struct server_relay *relay); /* NULL is harmless */
 

@@ -76,7 +76,8 @@ void server_reply_drop_body(struct server_exchange *exchange)
     if (response->lent.bytes) response->lent.release(response->lent.lender);
     server_budget_give(&exchange->server->budget, SERVER_BUDGET_ANSWERS, response->held);
     response->owned = NULL;
-    response->body = response->lent.bytes = NULL;
+    response->body = NULL;
+    response->lent = (struct server_lent){0};
     response->size = response->held = 0;
 }
 
@@ -87,7 +88,8 @@ void server_reply_writer(struct server_exchange *exchange, struct proto_writer *
     writer->account = &budget->answers;
 }
 
-/* Counts a body of that size as an answer's: what is counted as work in flight for it is not any more. */
+/* Counts a body of that size as an answer's: what is counted as work in flight for it is not any
+ * more. */
 static bool hold_answer(struct server_exchange *exchange, size_t size, struct proto_problem *problem)
 {
     struct server_budget *budget = &exchange->server->budget;
@@ -142,7 +144,8 @@ void server_reply_empty(struct server_exchange *exchange, unsigned status)
     set_body(exchange, status, NULL, NULL, NULL, 0);
 }
 
-/* The text of a writer that has not failed. That of one without an account is counted even past the limit. */
+/* The text of a writer that has not failed. That of one without an account is counted even past the
+ * limit. */
 static void set_text(struct server_exchange *exchange, unsigned status, const char *media_type,
                      struct proto_writer *writer)
 {

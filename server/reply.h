@@ -6,7 +6,8 @@
 #include "proto/writer.h"
 #include "server/exchange.h"
 
-/* Begins the text of an answer: of --max-answer bytes at most, in the memory budget from its first byte on. */
+/* Begins the text of an answer: of --max-answer bytes at most, in the memory budget from its first
+ * byte on. */
 void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer);
 
 /* Adds a response header, cut to SERVER_HEADER_VALUE. `name` is static. */
@@ -22,11 +23,13 @@ void server_reply_json(struct server_exchange *exchange, unsigned status, struct
 void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *writer);
 
-/* Memory for an answer of so many bytes, to be handed to server_reply_bytes. NULL with a problem replied. */
+/* Memory for an answer of so many bytes, to be handed to server_reply_bytes. NULL with a problem
+ * replied. */
 void *server_reply_allocate(struct server_exchange *exchange, size_t size);
 
-/* Bytes made by malloc, which become the exchange's. What the exchange holds for them (`held`) is counted as the answer's from now
- * on, the rest is taken. A problem is replied, and the bytes are freed, if there are too many. */
+/* Bytes made by malloc, which become the exchange's. What the exchange holds for them (`held`) is
+ * counted as the answer's from now on, the rest is taken. A problem is replied, and the bytes are
+ * freed, if there are too many. */
 void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
                         size_t size);
 
@@ -41,7 +44,7 @@ void server_reply_coding(struct server_exchange *exchange, bool is_packed);
 /* A static file, in its compressed form where the client takes it. */
 void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset);
 
-/* What the writer holds (nothing, perhaps), then what is lent, which is neither copied nor packed. */
+/* What the writer holds, perhaps nothing, then the lent bytes, which are neither copied nor packed. */
 void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
                        struct proto_writer *head, const struct server_lent *lent);
 

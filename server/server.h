@@ -1,10 +1,12 @@
 /* Server: the daemon's parts, wired together, and its way from start to stop.
  *
- * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget, workspaces, workers, cache, loads, metrics, store
- * and registry (with the writer, a thread of its own for what has to be on disk), field store, landmarks, discretizations, events, jobs, timekeeper,
- * keeper, scrub, batches, connections, http. Workspaces, workers, cache, loads, landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each, the registry two; the only ones held
- * together are the registry's writer lock, its slots' lock and the cache's, in that order, and the landmarks' and the workers'.
- * Budget and metrics are atomic.
+ * DESIGN. Order of parts, each knowing only those before it: config, access, tls, budget,
+ * workspaces, workers, cache, loads, metrics, store and registry (with two threads: its writer for
+ * what has to be on disk, its reader for lists), field store, landmarks, discretizations, events,
+ * jobs, timekeeper, keeper, scrub, batches, connections, http. Workspaces, workers, cache, loads,
+ * landmarks, discretizations, events, jobs, timekeeper, access and connections have a lock each,
+ * the registry two; the only ones held together are the registry's writer lock, its slots' lock and
+ * the cache's, in that order, and the landmarks' and the workers'. Budget and metrics are atomic.
  *
  * Shutdown: standing aside (for drain_delay_ms readyz says 503 and answers close their connections, all else goes on) -> draining (no
  * new connections) -> at the drain deadline workers are cancelled -> every deferred exchange and the background have finished -> HTTP

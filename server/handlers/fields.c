@@ -175,7 +175,7 @@ static void write_page(struct proto_writer *writer, const struct gd_mesh *mesh, 
     proto_page_end(writer, count > limit ? resources[limit - 1]->id : NULL);
 }
 
-/* The fields on a page, and one more, which tells whether there is a next page; `most` at most. */
+/* The fields on a page, and one more if there is a next page; at most `most`. */
 static uint32_t find_listed(struct server_surface *surface, const struct proto_page *page, uint32_t most,
                             struct server_resource **resources)
 {

@@ -117,7 +117,7 @@ static void write_page(struct proto_writer *writer, struct server_async *const *
     proto_page_end(writer, count > limit ? server_jobs_look(jobs[limit - 1]).id : NULL);
 }
 
-/* The jobs on a page, and one more, which tells whether there is a next page; `most` at most. */
+/* The jobs on a page, and one more if there is a next page; at most `most`. */
 static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
                             struct server_async **jobs)
 {

@@ -50,7 +50,8 @@ struct server_query_kind {
     enum server_query_turn (*solve)(struct server_query *query, struct proto_problem *problem);
     void (*encode)(const struct server_query *query, struct proto_writer *writer); /* NULL: the answer is the draft */
     void (*reply)(struct server_query *query); /* instead of encode: the answer is no JSON. NULL: it is */
-    /* Writes the answer as float64 to `out`, if that is not NULL, and returns its bytes. NULL: it has no such form. */
+    /* Writes the answer as float64 to `out`, if that is not NULL, and returns its bytes. NULL: it
+     * has no such form. */
     size_t (*bytes)(const struct server_query *query, void *out);
     const struct server_form *forms; /* the answer's other forms; NULL: none */
     /* The answer in the query's form, which is one of these, by malloc. Its memory is the exchange's `held`. False with the problem. */
@@ -96,7 +97,8 @@ typedef enum gd_status server_query_maker(void *user, const struct gd_control *c
 GD_MUST_USE enum gd_status server_query_call(struct server_query *query, struct server_monitor *part,
                                              server_query_maker *make, void *user, size_t grant);
 
-/* Can more be written to the draft? To be called now and then, so that no work is done in vain. GD_BUDGET. */
+/* Can more be written to the draft? To be called now and then, so that no work is done in vain.
+ * GD_BUDGET. */
 GD_MUST_USE enum gd_status server_query_check_draft(const struct server_query *query);
 
 /* The turn when it is written: DONE; or FAILED with the problem that `status` is (then `what` needs memory), or that the draft is too large. */

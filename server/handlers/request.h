@@ -36,20 +36,21 @@ bool server_request_follows_first(struct server_exchange *exchange);
  * returns. */
 bool server_request_write(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
 
-/* Has `work`, which makes a list, done by the registry's thread for them: the handler's last act. */
+/* Runs `work`, which makes a list, on the registry's reader thread. The handler's last act. */
 void server_request_list(struct server_exchange *exchange, bool (*work)(struct server_exchange *exchange));
 
 #define SERVER_REQUEST_SHORT_LIST 16 /* items of a list that an HTTP thread may make */
 
-/* Holds what a document takes that is parsed from this text, until server_request_end_parsing. insufficient_memory. */
+/* Holds what a document takes that is parsed from this text, until server_request_end_parsing.
+ * insufficient_memory. */
 bool server_request_begin_parsing(struct server_exchange *exchange, const char *text, size_t size,
                                   struct proto_problem *problem);
 
 /* The document has been freed. */
 void server_request_end_parsing(struct server_exchange *exchange);
 
-/* The body as a JSON document, owned by the caller (json_decref, then server_request_end_parsing), or NULL with unsupported_media_type,
- * invalid_request or insufficient_memory in `problem`. */
+/* The body as a JSON document, owned by the caller (json_decref, then server_request_end_parsing),
+ * or NULL with unsupported_media_type, invalid_request or insufficient_memory in `problem`. */
 json_t *server_request_document(struct server_exchange *exchange, struct proto_problem *problem);
 
 /* Replies with the problem that a store's outcome is. */

@@ -21,7 +21,7 @@ static void write_page(struct proto_writer *writer, const char *plural, struct s
     proto_page_end(writer, written < count ? listed[written - 1].record->name : NULL);
 }
 
-/* The surfaces on a page, and one more, which tells whether there is a next page; `most` at most. */
+/* The surfaces on a page, and one more if there is a next page; at most `most`. */
 static uint32_t find_listed(struct server_exchange *exchange, const struct proto_page *page, uint32_t most,
                             struct server_listed *listed)
 {
