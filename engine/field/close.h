@@ -20,6 +20,13 @@ struct gd__close {
     double turn;             /* from the point to the seed, counter-clockwise, between -pi and pi */
 };
 
+/* Whether a point of a face may have close seeds: it is beside an edge. */
+static inline bool gd__close_may_be(const double weight[3])
+{
+    const double most = GD_TOL_BESIDE_VERTEX;
+    return (weight[0] <= most) | (weight[1] <= most) | (weight[2] <= most);
+}
+
 /* The nearest of the close seeds, if it is nearer than `known`. False: there is none. `weight`: of the
  * point, which lies in `face`. O(1) unless the point is beside an edge or a vertex, then
  * O(degree x log seeds + seeds close by). */

@@ -126,20 +126,29 @@ enum gd_status gd__field_propagate(struct gd_field *field, const struct gd__prop
     return status;
 }
 
-static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request, bool without_wedges,
-                                const struct gd_control *control, const struct gd_executor *executor)
+/* How a field is built, and how once more where its check fails: what rounding displaces depends on which
+ * windows there are. */
+struct manner {
+    bool without_wedges;
+    struct gd__methods methods;
+};
+
+static enum gd_status propagate(struct gd_field *field, const struct gd_field_request *request,
+                                const struct manner *manner, const struct gd_control *control,
+                                const struct gd_executor *executor)
 {
     struct gd__propagation propagation = {.seeds = field->seeds,
                                           .seed_count = field->seed_count,
                                           .radius = request->radius > 0 ? request->radius / field->mesh->unit : GD__FAR,
                                           .target = request->target,
-                                          .without_wedges = without_wedges};
+                                          .without_wedges = manner->without_wedges,
+                                          .methods = manner->methods};
     return gd__field_propagate(field, &propagation, control, executor);
 }
 
-static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request, bool without_wedges,
-                            const struct gd_control *control, const struct gd_executor *executor, struct gd_field **out,
-                            struct gd_detail *detail)
+static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                            const struct manner *manner, const struct gd_control *control,
+                            const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
 {
     enum gd_status status = check_request(request, detail);
     if (status) return status;
@@ -147,7 +156,7 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
     if (!field) return gd_fail(detail, GD_NO_MEMORY, "%s", gd_status_sentence(GD_NO_MEMORY));
     status = gd__field_take_seeds(field, request, detail);
     if (!status) {
-        status = propagate(field, request, without_wedges, control, executor);
+        status = propagate(field, request, manner, control, executor);
         if (status) gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
     if (status)
@@ -157,20 +166,33 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
     return status;
 }
 
+static enum gd_status build_somehow(const struct gd_mesh *mesh, const struct gd_field_request *request,
+                                    bool without_wedges, const struct gd_control *control,
+                                    const struct gd_executor *executor, struct gd_field **out,
+                                    struct gd_detail *detail)
+{
+    const struct gd__methods methods[] = {
+        {0}, {0}, {.no_coalescing = true}, {.no_cone = true}, {.no_coalescing = true, .no_filter = true}};
+    enum gd_status status = GD_INTERNAL;
+    for (size_t i = executor ? 0 : 1; i < sizeof methods / sizeof *methods && status == GD_INTERNAL; i++) {
+        struct manner manner = {without_wedges, methods[i]};
+        status = build(mesh, request, &manner, control, i ? NULL : executor, out, detail);
+    }
+    return status;
+}
+
 enum gd_status gd_field_build(const struct gd_mesh *mesh, const struct gd_field_request *request,
                               const struct gd_control *control, const struct gd_executor *executor,
                               struct gd_field **out, struct gd_detail *detail)
 {
-    enum gd_status status = build(mesh, request, false, control, executor, out, detail);
-    if (status != GD_INTERNAL || !executor) return status;
-    return build(mesh, request, false, control, NULL, out, detail); /* what displaced windows of two may leave one's */
+    return build_somehow(mesh, request, false, control, executor, out, detail);
 }
 
 enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, const struct gd_field_request *request,
                                        const struct gd_control *control, double *out, struct gd_detail *detail)
 {
     struct gd_field *field = NULL;
-    enum gd_status status = build(mesh, request, true, control, NULL, &field, detail);
+    enum gd_status status = build_somehow(mesh, request, true, control, NULL, &field, detail);
     if (status) return status;
     gd_field_vertex_distances(field, out);
     gd_field_release(field);

@@ -133,21 +133,21 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
             best->from = f->seed;
         }
     }
-    if (gd__close_find(field, face, weight, best->distance, &close)) {
+    if (gd__close_may_be(weight) && gd__close_find(field, face, weight, best->distance, &close)) {
         best->distance = close.distance;
         best->kind = GD__LEG_CLOSE;
         best->from = close.seed;
     }
 }
 
-/* What a way through a wedge must be shorter by than the best one, where that has more digits: from a
- * point seed close by, be it round a corner, the rounding of places in a face. */
-static double margin_of(const struct gd_field *field, uint32_t side, const struct gd__way *best)
+/* What a way through a wedge must be shorter by than a best way that is short for the face: the rounding
+ * of places in the face. A point seed and a corner close by tell such a way better. */
+static inline double margin_of(const struct gd_field *field, uint32_t side, const struct gd__way *best)
 {
     double length = field->mesh->side[side].length;
-    bool is_seed = best->kind == GD__LEG_CLOSE || (best->kind == GD__LEG_SEED && !field->seeds[best->from].is_segment),
-         is_corner = best->kind == GD__LEG_VERTEX && best->distance < GD_TOL_BESIDE_VERTEX * length;
-    return is_seed || is_corner ? GD_TOL_BETTER * length : 0;
+    if (best->distance >= GD_TOL_BESIDE_VERTEX * length) return 0;
+    bool is_line = best->kind == GD__LEG_SEED && field->seeds[best->from].is_segment;
+    return is_line ? 0 : GD_TOL_BETTER * length;
 }
 
 static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *out)
