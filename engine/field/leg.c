@@ -263,15 +263,25 @@ struct gd__leg gd__field_leg(const struct gd_field *field, const struct gd_point
     return leg;
 }
 
+/* The path to `to` comes from `vertex`, along an edge, or is that vertex. */
+static bool leads_back(const struct gd_field *field, uint32_t to, uint32_t vertex)
+{
+    return to == vertex || (field->birth[to].side == GD_NONE && field->birth[to].source == vertex);
+}
+
 struct gd__leg gd__field_leg_onward(const struct gd_field *field, const struct gd_point *bend, uint32_t vertex)
 {
     struct gd__leg leg = gd__field_leg(field, bend);
-    if (leg.kind != GD__LEG_VERTEX || leg.from != vertex || bend->kind != GD_POINT_EDGE) return leg;
+    bool is_lost = leg.kind == GD__LEG_VERTEX && vertex != GD_NONE && leads_back(field, leg.from, vertex);
+    if (!is_lost || bend->kind != GD_POINT_EDGE) return leg;
     const struct gd_mesh *mesh = field->mesh;
-    uint32_t origin = mesh->origin[2 * bend->element], end = mesh->origin[2 * bend->element + 1];
-    double length = mesh->side[2 * bend->element].length;
-    double by_origin = field->distance[origin] + bend->weight[0] * length,
-           by_end = field->distance[end] + gd__edge_rest(bend) * length;
-    leg.from = by_origin < by_end ? origin : end;
+    double least = GD__FAR, length = mesh->side[2 * bend->element].length;
+    for (int k = 0; k < 2; k++) {
+        uint32_t end = mesh->origin[2 * bend->element + k];
+        double distance = field->distance[end] + (k ? gd__edge_rest(bend) : bend->weight[0]) * length;
+        if (distance >= least || leads_back(field, end, vertex)) continue;
+        least = distance;
+        leg.from = end;
+    }
     return leg;
 }

@@ -36,12 +36,13 @@ static bool has_little(const struct gd_field *partial)
     return within < PART_WORTH_KEEPING * vertices;
 }
 
-/* Wedges' ends are stored to 2^-32 of their edges: beside edges that are long for the reach, that is more
- * than rounding to the windows that are cast from them again. */
+/* Wedges' ends are stored to 2^-32 of their edges: where the reach or the shortest edge is small for the
+ * longest one, that is more than rounding to the windows that are cast from them again. */
 static bool is_coarse(const struct gd_field *partial)
 {
     const struct gd_mesh *mesh = partial->mesh;
-    return partial->reach < GD_TOL_COARSE * mesh->summary.edge_length.max / mesh->unit;
+    double longest = mesh->summary.edge_length.max / mesh->unit, shortest = mesh->summary.edge_length.min / mesh->unit;
+    return partial->reach < GD_TOL_COARSE_REACH * longest || shortest < GD_TOL_COARSE_EDGE * longest;
 }
 
 static void add_statistics(struct gd_field_statistics *to, const struct gd_field_statistics *from)

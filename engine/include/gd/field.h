@@ -56,7 +56,8 @@ GD_MUST_USE enum gd_status gd_field_distances_only(const struct gd_mesh *mesh, c
 /* The field of the same seeds that reaches farther, to `radius` (0: no limit): what `partial`, which stays as it is, has found is kept, and only
  * what lies beyond is propagated. Its distances are those of a field that was built for the radius at once, but for rounding. Its statistics count the work of both. `control`, `executor` and `detail` may be NULL. With an executor of width 2
  * or more, where half of the vertices or more lie beyond the reach of `partial` and gd_field_build would halve the surface, it is built from the
- * seeds: that takes less time. So it is where `partial` reaches no farther than 1e-3 of the longest edge.
+ * seeds: that takes less time. So it is where `partial` reaches no farther than 1e-3
+ * of the longest edge, or the shortest edge is less than 1e-6 of it.
  * Errors: GD_INVALID_ARGUMENT (the radius is negative or no number, `partial` reaches as far already, or it is a damaged image), and those of
  * gd_field_build but for the request. Cost: a copy of `partial`, and what lies beyond. */
 GD_MUST_USE enum gd_status gd_field_resume(const struct gd_field *partial, double radius,
