@@ -37,7 +37,7 @@ LIB_SUPPORT := $(BUILD)/libgd_support.a
 LIB_CLIENT  := $(BUILD)/libgeodesicd-client.a
 
 ENGINE_LIBS := -lm -lz
-SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lz
+SERVER_LIBS := -lmicrohttpd -ljansson -lsqlite3 -lpq -lgnutls -lseccomp -lz
 CLIENT_LIBS := -lcurl -ljansson -lm
 CLIENTS     := $(BUILD)/gd_client_scenario $(BUILD)/gd_client_example
 
@@ -59,7 +59,7 @@ help: ## list the targets
 # --- for people ----------------------------------------------------------------------------------------------------------
 
 # Everything that building, running and testing need, from Debian 12's own packages.
-PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libsqlite3-dev libpq-dev zlib1g-dev \
+PACKAGES := build-essential clang clang-format libmicrohttpd-dev libjansson-dev libgnutls28-dev libseccomp-dev libsqlite3-dev libpq-dev zlib1g-dev \
             libcmocka-dev libclang-rt-14-dev libcurl4-openssl-dev python3 python3-yaml python3-jsonschema curl ca-certificates
 SUDO     := $(if $(filter 0,$(shell id -u)),,sudo)
 # The pages are made by node and npm, whoever installed them; the tests of the pages want a browser, too.

@@ -12,7 +12,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#define LISTEN_BACKLOG 1024
+#define LISTEN_BACKLOG 4096 /* also what Linux allows by default */
 #define UNIX_PREFIX    "unix:"
 
 static bool refuse(char *error, size_t error_size, const char *text, const char *why)
@@ -118,27 +118,48 @@ static void remove_stale_socket(const struct server_address *address)
     close(probe);
 }
 
-static bool bind_and_listen(int descriptor, struct server_address *address)
+static bool is_unix(const struct server_address *address)
+{
+    return address->socket.ss_family == AF_UNIX;
+}
+
+static bool complain(const struct server_address *address, char *error, size_t error_size)
+{
+    int why = errno;
+    char text[SERVER_ADDRESS_TEXT];
+    server_address_format(address, text);
+    snprintf(error, error_size, "can't listen on %s: %s", text, strerror(why));
+    return false;
+}
+
+static bool bind_tcp(int descriptor, struct server_address *address)
 {
     int on = 1;
-    if (address->socket.ss_family == AF_UNIX)
-        remove_stale_socket(address);
-    else
-        setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0) return false;
-    if (listen(descriptor, LISTEN_BACKLOG) != 0) return false;
-    if (address->socket.ss_family == AF_UNIX) return true;
     address->size = sizeof address->socket;
     return getsockname(descriptor, (struct sockaddr *)&address->socket, &address->size) == 0;
 }
 
-int server_address_listen(struct server_address *address, char *error, size_t error_size)
+int server_address_bind(struct server_address *address, char *error, size_t error_size)
 {
-    char text[SERVER_ADDRESS_TEXT];
-    server_address_format(address, text);
     int descriptor = socket(address->socket.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (descriptor >= 0 && bind_and_listen(descriptor, address)) return descriptor;
-    snprintf(error, error_size, "can't listen on %s: %s", text, strerror(errno));
+    if (descriptor >= 0 && (is_unix(address) || bind_tcp(descriptor, address))) return descriptor;
+    (void)complain(address, error, error_size);
     if (descriptor >= 0) close(descriptor);
     return -1;
+}
+
+/* With the mode that a caller of the program chose, whatever umask its files have. */
+static bool bind_unix(int descriptor, const struct server_address *address)
+{
+    remove_stale_socket(address);
+    if (bind(descriptor, (const struct sockaddr *)&address->socket, address->size) != 0) return false;
+    return !address->mode || chmod(((const struct sockaddr_un *)&address->socket)->sun_path, address->mode) == 0;
+}
+
+bool server_address_listen(int descriptor, const struct server_address *address, char *error, size_t error_size)
+{
+    bool is_bound = !is_unix(address) || bind_unix(descriptor, address);
+    return (is_bound && listen(descriptor, LISTEN_BACKLOG) == 0) || complain(address, error, error_size);
 }

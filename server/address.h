@@ -5,10 +5,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/socket.h>
+#include <sys/types.h>
 
 struct server_address {
     struct sockaddr_storage socket;
     socklen_t size;
+    mode_t mode; /* that a unix socket gets; 0: by umask */
 };
 
 #define SERVER_ADDRESS_TEXT 128
@@ -22,8 +24,12 @@ bool server_address_is_local(const struct server_address *address);
 
 void server_address_format(const struct server_address *address, char text[SERVER_ADDRESS_TEXT]);
 
-/* A bound, listening, non-blocking socket, or -1 with a sentence in `error`. `*address` becomes the bound one (a
- * port 0 is replaced). A unix socket that nobody listens on any more is replaced. The caller owns the descriptor. */
-int server_address_listen(struct server_address *address, char *error, size_t error_size);
+/* A non-blocking socket, of TCP a bound one (which may take a privilege), or -1 with a sentence in `error`. `*address`
+ * becomes the bound one (a port 0 is replaced). The caller owns the descriptor. */
+int server_address_bind(struct server_address *address, char *error, size_t error_size);
+
+/* Listens on that socket; false with a sentence in `error`. A unix socket is bound now, since others take one that is
+ * bound and does not listen for a dead one. It takes the place of a dead one. */
+bool server_address_listen(int descriptor, const struct server_address *address, char *error, size_t error_size);
 
 #endif

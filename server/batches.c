@@ -82,7 +82,7 @@ static bool has_queue(struct server_batches *batches)
     pthread_mutex_unlock(&batches->lock);
     if (is_open) return true;
     if (config->store == SERVER_STORE_KIND_MEMORY) return false;
-    if (local_path(config, path) && access(path, F_OK) != 0) return false;
+    if (local_path(config, path) && !server_disk_exists(path)) return false;
     return server_batches_sql(batches, error, sizeof error) != NULL;
 }
 

@@ -61,6 +61,12 @@ static enum server_disk_result settle_folder(int file)
     return failed ? SERVER_DISK_LOST : SERVER_DISK_DONE;
 }
 
+bool server_disk_exists(const char *path)
+{
+    struct stat facts;
+    return stat(path, &facts) == 0;
+}
+
 enum server_disk_result server_disk_sync_folder(const char *folder)
 {
     int file = open_folder(folder);
@@ -71,7 +77,7 @@ enum server_disk_result server_disk_sync_folder(const char *folder)
 enum server_disk_result server_disk_make_folder(const char *path)
 {
     char text[SERVER_DISK_PATH];
-    if (access(path, F_OK) == 0) return SERVER_DISK_DONE;
+    if (server_disk_exists(path)) return SERVER_DISK_DONE;
     snprintf(text, sizeof text, "%s", path);
     int parent = open_folder(dirname(text));
     if (parent < 0) return refusal();

@@ -21,6 +21,9 @@ enum server_disk_result {
 
 #define SERVER_DISK_PATH 4096
 
+/* True when something has that path. */
+bool server_disk_exists(const char *path);
+
 /* Creates the folder if it is not there, and makes its name durable then: that of one which is there already is not
  * (who made it may have been killed before). */
 enum server_disk_result server_disk_make_folder(const char *path);

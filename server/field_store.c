@@ -229,7 +229,7 @@ void server_field_store_follow(struct server_field_store *store, struct server_r
 
 static bool make_folder(const char *folder)
 {
-    return mkdir(folder, 0700) == 0 || access(folder, F_OK) == 0;
+    return mkdir(folder, 0700) == 0 || server_disk_exists(folder);
 }
 
 static bool write_file(const char *folder, const char *path, const void *bytes, size_t size)
@@ -347,7 +347,7 @@ static void save_image(struct saving *saving, const char *folder, const void *im
     char file[FILE_NAME], path[SERVER_DISK_PATH];
     name_image(file, image, size, FIELD);
     if (!file_path(path, folder, file)) return;
-    if (access(path, F_OK) != 0) {
+    if (!server_disk_exists(path)) {
         saving->is_over |= !write_file(folder, path, image, size);
         saving->written += !saving->is_over;
     }

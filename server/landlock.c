@@ -2,7 +2,6 @@
  * 12 lack is defined here. */
 #include "server/landlock.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
@@ -45,7 +44,7 @@
 #define READING (READ_FILE | READ_FOLDER)
 #define STORING (READING | WRITE_FILE | REMOVE_DIR | REMOVE_FILE | MAKE_DIR | MAKE_FILE | REFER | TRUNCATE)
 
-#define BIND_TCP    UINT64_C(1) /* 4, as the next */
+#define BIND_TCP    UINT64_C(1) /* 4, as the next; never allowed, since the port is bound before */
 #define CONNECT_TCP UINT64_C(2)
 #define ALL_SCOPES  UINT64_C(3) /* 6: abstract unix sockets, signals */
 
@@ -108,23 +107,11 @@ static bool allow_reading(const struct rules *rules, const char *file)
     return is_allowed;
 }
 
-static bool allow_port(const struct rules *rules, uint16_t port, uint64_t right)
-{
-    const struct port_rule rule = {.allowed = right, .port = port};
-    return !rules->ruleset.ports || syscall(ADD_RULE, rules->descriptor, RULE_PORT, &rule, 0) == 0;
-}
-
-static bool allow_listening(const struct rules *rules, const struct server_address *address)
+static bool allow_unix_socket(const struct rules *rules, const struct server_address *address)
 {
     const struct sockaddr_storage *socket = &address->socket;
-    switch (socket->ss_family) {
-    case AF_UNIX:
-        return allow_folder_of(rules, ((const struct sockaddr_un *)socket)->sun_path, MAKE_SOCKET | REMOVE_FILE);
-    case AF_INET:
-        return allow_port(rules, ntohs(((const struct sockaddr_in *)socket)->sin_port), BIND_TCP);
-    default:
-        return allow_port(rules, ntohs(((const struct sockaddr_in6 *)socket)->sin6_port), BIND_TCP);
-    }
+    return socket->ss_family != AF_UNIX ||
+           allow_folder_of(rules, ((const struct sockaddr_un *)socket)->sun_path, MAKE_SOCKET | REMOVE_FILE);
 }
 
 static bool allow_store(const struct rules *rules, const struct server_config *config)
@@ -148,7 +135,9 @@ static void allow_file(void *user, const char *file)
 
 static bool allow_connecting(void *user, uint16_t port)
 {
-    return allow_port(user, port, CONNECT_TCP);
+    const struct rules *rules = user;
+    const struct port_rule rule = {.allowed = CONNECT_TCP, .port = port};
+    return !rules->ruleset.ports || syscall(ADD_RULE, rules->descriptor, RULE_PORT, &rule, 0) == 0;
 }
 
 /* Connecting, also in an hour: its ports, libpq's files, and what names of hosts and users are looked up in. */
@@ -183,7 +172,7 @@ static const char *restrict_self(struct rules *rules, const struct server_config
 {
     bool is_allowed = allow_store(rules, config) && allow_database(rules, config) &&
                       allow_reading(rules, config->keys) && allow_reading(rules, config->tls_cert) &&
-                      allow_reading(rules, config->tls_key) && allow_listening(rules, &config->listen);
+                      allow_reading(rules, config->tls_key) && allow_unix_socket(rules, &config->listen);
     if (!is_allowed) return "a file or folder that the daemon needs is not there";
     return syscall(RESTRICT_SELF, rules->descriptor, 0) == 0 ? NULL : strerror(errno);
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "gd/cpu.h"
@@ -78,6 +79,22 @@ static bool check_store(const struct server_config *config)
     return server_store_check(config->data_dir, stdout);
 }
 
+/* The port is bound before the sandbox takes the right to do so. */
+static struct server *start(struct server_config *config, char *error, size_t error_size)
+{
+    int listening = server_address_bind(&config->listen, error, error_size);
+    if (listening < 0) return NULL;
+    struct server_sandbox sandbox = server_sandbox_enter(config);
+    if (!server_log_start()) {
+        snprintf(error, error_size, "no thread can be started for the log");
+        return NULL;
+    }
+    server_log_flush_at_crash();
+    struct server *server = server_start(config, listening, error, error_size);
+    if (server) server_sandbox_seal(&sandbox);
+    return server;
+}
+
 int main(int argc, char *argv[])
 {
     struct server_config config;
@@ -94,6 +111,7 @@ int main(int argc, char *argv[])
     case SERVER_CONFIG_RUN:
         break;
     }
+    config.listen.mode = 0777 & ~umask(077); /* files of the data folder, and copies of it, are private */
     server_log_set_level(config.log_level);
     if (config.check_store) return check_store(&config) ? EXIT_SUCCESS : EXIT_FAILURE;
     if (*config.backup)
@@ -101,19 +119,12 @@ int main(int argc, char *argv[])
     if (*config.restore)
         return server_store_restore(config.data_dir, config.restore, stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
     block_signals(&awaited);
-    struct server_sandbox sandbox = server_sandbox_enter(&config);
-    if (!server_log_start()) {
-        server_log_message(SERVER_LOG_ERROR, "start_failed", "no thread can be started for the log");
-        return EXIT_FAILURE;
-    }
-    server_log_flush_at_crash();
-    struct server *server = server_start(&config, error, sizeof error);
+    struct server *server = start(&config, error, sizeof error);
     if (!server) {
         server_log_message(SERVER_LOG_ERROR, "start_failed", "%s", error);
         server_log_stop();
         return EXIT_FAILURE;
     }
-    server_sandbox_seal(&sandbox);
     log_address(&server->config);
     warn_of_clear_keys(&server->config);
     wait_for_end(server, &awaited);

@@ -6,10 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
-#define HTTP_NICE   (-3)
 #define WORKER_NICE 10
 #define LOOK_NS     UINT64_C(10000000) /* a thread that speaks HTTP is moved so often at most */
 
@@ -23,7 +20,7 @@ static int find_core(const cpu_set_t *cores, unsigned n)
 
 static bool set_nice(int nice)
 {
-    return setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), nice) == 0; /* of this thread only */
+    return setpriority(PRIO_PROCESS, 0, nice) == 0; /* Linux: of this thread only */
 }
 
 /* What is known of the calling thread. */
@@ -38,7 +35,7 @@ static void find_place(struct place *place, uint32_t threads)
 {
     static atomic_uint placed;
     place->is_known = true;
-    (void)set_nice(HTTP_NICE);
+    (void)set_nice(SERVER_PLACE_NICE);
     place->can_move =
         sched_getaffinity(0, sizeof place->all, &place->all) == 0 && (uint32_t)CPU_COUNT(&place->all) == threads;
     if (!place->can_move) return;

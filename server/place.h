@@ -13,6 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#define SERVER_PLACE_NICE (-3) /* of a thread that speaks HTTP: the least that any thread asks for */
+
 /* Places the calling thread, one of so many that speak HTTP; to be called at each request. `is_crowded`: workers are busy. */
 void server_place_http(uint32_t threads, bool is_crowded, uint64_t now_ns);
 

@@ -1,147 +1,163 @@
-/* See seccomp.h. The filter compares the call's number with one after the other: the kernel (5.11 and later) runs it
- * once for each number when it is installed, and keeps which are always allowed, so that the length of the list costs
- * a call nothing. */
+/* See seccomp.h. The kernel (5.11 and later) caches which calls a filter always allows, so the length of the list costs
+ * such a call nothing. Calls that are allowed for some arguments only run the filter; none of them is on the way of an
+ * answer that comes from memory, without a database. */
 #include "server/seccomp.h"
 
 #include <errno.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <stddef.h>
+#include <fcntl.h>
+#include <seccomp.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/syscall.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#if defined(__x86_64__)
-#define ARCHITECTURE AUDIT_ARCH_X86_64
-#elif defined(__aarch64__)
-#define ARCHITECTURE AUDIT_ARCH_AARCH64
-#endif
-
-#ifndef ARCHITECTURE
-
-const char *server_seccomp_seal(bool connects)
-{
-    (void)connects;
-    return "there is no list of system calls for this machine's architecture";
-}
-
-#else
-
-/* What a running daemon calls: its own code, libc, libmicrohttpd, SQLite, GnuTLS; but for those of answer_some. */
+/* Calls of a running daemon: its own code, libc, libmicrohttpd, SQLite, GnuTLS. Calls that change the mode, the owner or
+ * the times of a file by its path are not among them, since Landlock does not cover these. */
 static const int allowed[] = {
-#ifdef SYS_open /* the older calls that this architecture has beside those below */
-    SYS_open, SYS_stat, SYS_lstat, SYS_access, SYS_unlink, SYS_rmdir, SYS_rename, SYS_link, SYS_mkdir, SYS_readlink,
-    SYS_getdents, SYS_chmod, SYS_dup2, SYS_time, SYS_poll, SYS_select, SYS_epoll_wait,
-#endif
     /* connections */
-    SYS_epoll_pwait, SYS_epoll_ctl, SYS_recvfrom, SYS_recvmsg, SYS_sendto, SYS_sendmsg, SYS_accept4, SYS_accept,
-    SYS_shutdown, SYS_setsockopt, SYS_getsockopt, SYS_getsockname, SYS_getpeername, SYS_ppoll, SYS_pselect6,
-    SYS_eventfd2, SYS_sendfile, SYS_dup3,
+    SCMP_SYS(epoll_wait), SCMP_SYS(epoll_pwait), SCMP_SYS(epoll_ctl), SCMP_SYS(recvfrom), SCMP_SYS(recvmsg),
+    SCMP_SYS(accept4), SCMP_SYS(accept), SCMP_SYS(shutdown), SCMP_SYS(setsockopt), SCMP_SYS(getsockopt),
+    SCMP_SYS(getsockname), SCMP_SYS(getpeername), SCMP_SYS(poll), SCMP_SYS(ppoll), SCMP_SYS(select), SCMP_SYS(pselect6),
+    SCMP_SYS(eventfd2), SCMP_SYS(sendfile), SCMP_SYS(dup2), SCMP_SYS(dup3),
     /* threads, time, signals */
-    SYS_futex, SYS_sched_yield, SYS_sched_getaffinity, SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_setpriority,
-    SYS_getcpu, SYS_set_robust_list, SYS_rseq, SYS_membarrier, SYS_clock_gettime, SYS_clock_getres, SYS_clock_nanosleep,
-    SYS_nanosleep, SYS_gettimeofday, SYS_rt_sigaction, SYS_rt_sigprocmask, SYS_rt_sigreturn, SYS_rt_sigtimedwait,
-    SYS_sigaltstack, SYS_restart_syscall, SYS_tgkill, SYS_exit, SYS_exit_group,
+    SCMP_SYS(futex), SCMP_SYS(sched_yield), SCMP_SYS(getcpu), SCMP_SYS(set_robust_list), SCMP_SYS(rseq),
+    SCMP_SYS(membarrier), SCMP_SYS(clock_gettime), SCMP_SYS(clock_getres), SCMP_SYS(clock_nanosleep),
+    SCMP_SYS(nanosleep), SCMP_SYS(gettimeofday), SCMP_SYS(time), SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(rt_sigreturn), SCMP_SYS(rt_sigtimedwait), SCMP_SYS(sigaltstack), SCMP_SYS(restart_syscall), SCMP_SYS(exit),
+    SCMP_SYS(exit_group),
     /* memory */
-    SYS_munmap, SYS_mremap, SYS_madvise, SYS_brk,
+    SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(madvise), SCMP_SYS(brk),
     /* files */
-    SYS_read, SYS_write, SYS_readv, SYS_writev, SYS_pread64, SYS_pwrite64, SYS_lseek, SYS_openat, SYS_close, SYS_fstat,
-    SYS_newfstatat, SYS_statx, SYS_statfs, SYS_fstatfs, SYS_faccessat, SYS_faccessat2, SYS_getdents64, SYS_unlinkat,
-    SYS_renameat, SYS_renameat2, SYS_linkat, SYS_mkdirat, SYS_readlinkat, SYS_getcwd, SYS_ftruncate, SYS_fsync,
-    SYS_fdatasync, SYS_fallocate, SYS_fadvise64, SYS_fcntl, SYS_flock, SYS_fchmod, SYS_fchown, SYS_umask, SYS_utimensat,
+    SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(readv), SCMP_SYS(writev), SCMP_SYS(pread64), SCMP_SYS(pwrite64),
+    SCMP_SYS(lseek), SCMP_SYS(close), SCMP_SYS(stat), SCMP_SYS(lstat), SCMP_SYS(fstat), SCMP_SYS(newfstatat),
+    SCMP_SYS(statx), SCMP_SYS(getdents), SCMP_SYS(getdents64), SCMP_SYS(unlink), SCMP_SYS(unlinkat), SCMP_SYS(rmdir),
+    SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2), SCMP_SYS(link), SCMP_SYS(linkat), SCMP_SYS(readlink),
+    SCMP_SYS(readlinkat), SCMP_SYS(getcwd), SCMP_SYS(ftruncate), SCMP_SYS(fsync), SCMP_SYS(fdatasync),
+    SCMP_SYS(fallocate), SCMP_SYS(fadvise64), SCMP_SYS(flock),
     /* about the process and the machine */
-    SYS_getrandom, SYS_getpid, SYS_gettid, SYS_getuid, SYS_geteuid, SYS_getgid, SYS_getegid, SYS_getrlimit,
-    SYS_prlimit64, SYS_getrusage, SYS_sysinfo, SYS_uname};
+    SCMP_SYS(getrandom), SCMP_SYS(getpid), SCMP_SYS(gettid), SCMP_SYS(getuid), SCMP_SYS(geteuid), SCMP_SYS(getgid),
+    SCMP_SYS(getegid), SCMP_SYS(getrlimit), SCMP_SYS(getrusage), SCMP_SYS(sysinfo), SCMP_SYS(uname)};
 
-/* What a database wants beside that: connecting, and looking up the names of its hosts. */
-static const int connecting[] = {SYS_socket, SYS_connect, SYS_sendmmsg};
+/* No program needs these but an intruder's. */
+static const int fatal[] = {SCMP_SYS(execve),
+                            SCMP_SYS(execveat),
+                            SCMP_SYS(ptrace),
+                            SCMP_SYS(process_vm_readv),
+                            SCMP_SYS(process_vm_writev),
+                            SCMP_SYS(mount),
+                            SCMP_SYS(umount2),
+                            SCMP_SYS(pivot_root),
+                            SCMP_SYS(chroot),
+                            SCMP_SYS(unshare),
+                            SCMP_SYS(setns),
+                            SCMP_SYS(init_module),
+                            SCMP_SYS(finit_module),
+                            SCMP_SYS(delete_module),
+                            SCMP_SYS(kexec_load),
+                            SCMP_SYS(bpf),
+                            SCMP_SYS(keyctl),
+                            SCMP_SYS(perf_event_open),
+                            SCMP_SYS(userfaultfd),
+                            SCMP_SYS(reboot)};
 
-/* What only an intruder would call. */
-static const int fatal[] = {
-    SYS_execve, SYS_execveat,    SYS_ptrace,          SYS_process_vm_readv, SYS_process_vm_writev,
-    SYS_mount,  SYS_umount2,     SYS_pivot_root,      SYS_chroot,           SYS_unshare,
-    SYS_setns,  SYS_init_module, SYS_finit_module,    SYS_delete_module,    SYS_kexec_load,
-    SYS_bpf,    SYS_keyctl,      SYS_perf_event_open, SYS_userfaultfd,      SYS_reboot};
-
-#define COUNT(array) (sizeof(array) / sizeof(array)[0])
-#define MOST         (2 * (COUNT(allowed) + COUNT(connecting) + COUNT(fatal)) + 32) /* instructions */
-
-struct program {
-    struct sock_filter code[MOST];
-    unsigned short size;
+/* A call that is allowed only if all its conditions hold; without a condition, always. */
+struct rule {
+    int call;
+    unsigned count;
+    struct scmp_arg_cmp conditions[2];
 };
 
-static void add(struct program *program, struct sock_filter instruction)
-{
-    program->code[program->size++] = instruction;
-}
-
-static void load(struct program *program, size_t offset)
-{
-    add(program, (struct sock_filter)BPF_STMT(BPF_LD | BPF_W | BPF_ABS, (uint32_t)offset));
-}
-
-static void answer(struct program *program, uint32_t verdict)
-{
-    add(program, (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, verdict));
-}
-
-/* What follows, `count` instructions, is for that number only. */
-static void only_for(struct program *program, uint32_t number, uint8_t count)
-{
-    add(program, (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, number, 0, count));
-}
-
-static void answer_all(struct program *program, const int *numbers, size_t count, uint32_t verdict)
-{
-    for (size_t i = 0; i < count; i++) {
-        only_for(program, (uint32_t)numbers[i], 1);
-        answer(program, verdict);
+#define EQUAL(argument, value)                                                                                         \
+    {                                                                                                                  \
+        argument, SCMP_CMP_EQ, value, 0                                                                                \
     }
+#define WITHOUT(argument, bits)                                                                                        \
+    {                                                                                                                  \
+        argument, SCMP_CMP_MASKED_EQ, bits, 0                                                                          \
+    }
+#define SPECIAL_BITS (S_ISUID | S_ISGID | S_ISVTX)
+#define ONE(name, condition)                                                                                           \
+    {                                                                                                                  \
+        SCMP_SYS(name), 1,                                                                                             \
+        {                                                                                                              \
+            condition                                                                                                  \
+        }                                                                                                              \
+    }
+#define BOTH(name, condition, and_that)                                                                                \
+    {                                                                                                                  \
+        SCMP_SYS(name), 2,                                                                                             \
+        {                                                                                                              \
+            condition, and_that                                                                                        \
+        }                                                                                                              \
+    }
+
+static const struct rule conditional[] = {
+    /* memory is not executable, files are not setuid (umask(2) takes the bits of others; it can't be changed any more) */
+    ONE(mmap, WITHOUT(2, PROT_EXEC)), ONE(mprotect, WITHOUT(2, PROT_EXEC)), ONE(open, WITHOUT(2, SPECIAL_BITS)),
+    ONE(openat, WITHOUT(3, SPECIAL_BITS)), ONE(mkdir, WITHOUT(1, SPECIAL_BITS)), ONE(mkdirat, WITHOUT(2, SPECIAL_BITS)),
+    /* the calling thread, no other process */
+    ONE(sched_getaffinity, EQUAL(0, 0)), ONE(sched_setaffinity, EQUAL(0, 0)), ONE(sched_setscheduler, EQUAL(0, 0)),
+    BOTH(setpriority, EQUAL(0, PRIO_PROCESS), EQUAL(1, 0)), BOTH(prlimit64, EQUAL(0, 0), EQUAL(2, 0)),
+    /* F_DUPFD to F_SETLKW: a lock, but no owner (F_SETOWN), to whom the kernel would send signals */
+    ONE(fcntl, WITHOUT(1, ~UINT64_C(7))), ONE(fcntl, EQUAL(1, F_DUPFD_CLOEXEC)), ONE(prctl, EQUAL(0, PR_SET_NAME))};
+
+/* Without a database there is no socket that could connect. */
+static const struct rule alone[] = {{SCMP_SYS(sendto), 0, {{0}}}, {SCMP_SYS(sendmsg), 0, {{0}}}};
+
+/* With one: connecting, and looking up the names of its hosts. A send must not connect behind Landlock's back. */
+static const struct rule connecting[] = {
+    ONE(sendto, WITHOUT(3, MSG_FASTOPEN)), ONE(sendmsg, WITHOUT(2, MSG_FASTOPEN)),
+    ONE(socket, EQUAL(0, AF_UNIX)),        ONE(socket, EQUAL(0, AF_INET)),
+    ONE(socket, EQUAL(0, AF_INET6)),       ONE(ioctl, EQUAL(1, FIONREAD)), /* how much a name server has sent */
+    {SCMP_SYS(connect), 0, {{0}}},         ONE(sendmmsg, WITHOUT(3, MSG_FASTOPEN))};
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+/* 0 or a negative errno, as all of these. */
+static int add_calls(scmp_filter_ctx filter, uint32_t action, const int *calls, size_t count)
+{
+    int failed = 0;
+    for (size_t i = 0; !failed && i < count; i++) failed = seccomp_rule_add(filter, action, calls[i], 0);
+    return failed;
 }
 
-/* An argument's low half has all that counts of it. `jump`: BPF_JEQ (it is `value`) or BPF_JSET (it has such bits). */
-static void answer_some(struct program *program, uint32_t number, int argument, uint16_t jump, uint32_t value,
-                        const uint32_t verdicts[2]) /* of the others, and of what the jump is for */
+static int add_rules(scmp_filter_ctx filter, const struct rule *rules, size_t count)
 {
-    only_for(program, number, 4);
-    load(program, offsetof(struct seccomp_data, args) + (size_t)argument * sizeof(uint64_t));
-    add(program, (struct sock_filter)BPF_JUMP(BPF_JMP | jump | BPF_K, value, 0, 1));
-    answer(program, verdicts[1]);
-    answer(program, verdicts[0]);
+    int failed = 0;
+    for (size_t i = 0; !failed && i < count; i++)
+        failed = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].count, rules[i].conditions);
+    return failed;
 }
 
-static void write_program(struct program *program, bool connects)
+static int add_own_signals(scmp_filter_ctx filter)
 {
-    static const uint32_t unless[] = {SECCOMP_RET_ALLOW, SECCOMP_RET_ERRNO | EPERM};
-    static const uint32_t only[] = {SECCOMP_RET_ERRNO | EPERM, SECCOMP_RET_ALLOW};
-    load(program, offsetof(struct seccomp_data, arch));
-    add(program, (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ARCHITECTURE, 1, 0));
-    answer(program, SECCOMP_RET_KILL_PROCESS);
-    load(program, offsetof(struct seccomp_data, nr));
-    answer_all(program, allowed, COUNT(allowed), SECCOMP_RET_ALLOW);
-    if (connects) answer_all(program, connecting, COUNT(connecting), SECCOMP_RET_ALLOW);
-    if (connects) answer_some(program, SYS_ioctl, 1, BPF_JEQ, FIONREAD, only); /* how much a name server has sent */
-    answer_some(program, SYS_mmap, 2, BPF_JSET, PROT_EXEC, unless);
-    answer_some(program, SYS_mprotect, 2, BPF_JSET, PROT_EXEC, unless);
-    answer_some(program, SYS_prctl, 0, BPF_JEQ, PR_SET_NAME, only);
-    answer_all(program, fatal, COUNT(fatal), SECCOMP_RET_KILL_PROCESS);
-    answer(program, SECCOMP_RET_ERRNO | ENOSYS);
+    return seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, SCMP_A0(SCMP_CMP_EQ, (uint64_t)getpid()));
+}
+
+static int load(scmp_filter_ctx filter, bool connects)
+{
+    int failed = seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
+    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_NNP, 0); /* it is set */
+    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
+    if (!failed) failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2); /* a binary tree */
+    if (!failed) failed = add_calls(filter, SCMP_ACT_ALLOW, allowed, COUNT(allowed));
+    if (!failed) failed = add_rules(filter, conditional, COUNT(conditional));
+    if (!failed && connects) failed = add_rules(filter, connecting, COUNT(connecting));
+    if (!failed && !connects) failed = add_rules(filter, alone, COUNT(alone));
+    if (!failed) failed = add_own_signals(filter);
+    if (!failed) failed = add_calls(filter, SCMP_ACT_KILL_PROCESS, fatal, COUNT(fatal));
+    return failed ? failed : seccomp_load(filter);
 }
 
 const char *server_seccomp_seal(bool connects)
 {
-    struct program program = {.size = 0};
-    write_program(&program, connects);
-    const struct sock_fprog filter = {.len = program.size, .filter = program.code};
-    long failed = syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter);
-    if (failed > 0) return "a thread has a filter of its own";
-    return failed ? strerror(errno) : NULL;
+    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(ENOSYS));
+    int failed = filter ? load(filter, connects) : -ENOMEM;
+    seccomp_release(filter);
+    return failed ? strerror(-failed) : NULL;
 }
-
-#endif

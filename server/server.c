@@ -145,15 +145,14 @@ static bool create_parts(struct server *server, char *error, size_t error_size)
     return server->timekeeper && server->keeper && server->batches && server->connections && (!scrubs || server->scrub);
 }
 
-static bool listen_on(struct server *server, char *error, size_t error_size)
+static bool serve(struct server *server, int listening, char *error, size_t error_size)
 {
-    int listening = server_address_listen(&server->config.listen, error, error_size);
-    if (listening < 0) return false;
+    if (!server_address_listen(listening, &server->config.listen, error, error_size)) return false;
     server->http = server_http_start(server, listening, (uint32_t)server->config.http_threads, error, error_size);
     return server->http != NULL;
 }
 
-struct server *server_start(const struct server_config *config, char *error, size_t error_size)
+struct server *server_start(const struct server_config *config, int listening, char *error, size_t error_size)
 {
     snprintf(error, error_size, "out of memory or threads");
     mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
@@ -161,7 +160,7 @@ struct server *server_start(const struct server_config *config, char *error, siz
     if (!server) return NULL;
     server->config = *config;
     if (select_cpu(config, error, error_size) && open_access(server, error, error_size) &&
-        create_parts(server, error, error_size) && listen_on(server, error, error_size))
+        create_parts(server, error, error_size) && serve(server, listening, error, error_size))
         return server;
     if (server->workers) server_workers_cancel(server->workers);
     destroy(server);

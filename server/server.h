@@ -69,8 +69,9 @@ struct server {
     atomic_bool draining;
 };
 
-/* Starts everything, listening last. NULL with a sentence in `error`. */
-struct server *server_start(const struct server_config *config, char *error, size_t error_size);
+/* Starts everything, and listens last on the socket (server_address_bind), which becomes the server's own. NULL with a
+ * sentence in `error`. */
+struct server *server_start(const struct server_config *config, int listening, char *error, size_t error_size);
 
 /* Reads keys and certificates again; what can't be read stays as it was, and the log says so. By one thread at a time. */
 void server_reload(struct server *server);

@@ -46,7 +46,7 @@ static enum server_store_outcome bring_object(struct backup *backup, const struc
     server_files_object_path(&backup->to, to, object->id);
     snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     enum server_disk_result result = server_disk_make_folder(folder);
-    if (!result && access(to, F_OK) != 0) result = backup->bring(from, to);
+    if (!result && !server_disk_exists(to)) result = backup->bring(from, to);
     if (!result) result = server_disk_sync_folder(folder);
     if (result) return server_files_outcome(result);
     enum server_store_outcome outcome = server_files_read_object(&backup->to, object, &bytes);
@@ -131,7 +131,7 @@ static bool has_file(const struct server_store_files *files, const char *name)
 {
     char path[SERVER_DISK_PATH];
     server_files_path(files, path, name);
-    return access(path, F_OK) == 0;
+    return server_disk_exists(path);
 }
 
 /* Before the surfaces: so those that the batches ask about are there, or were removed since. */

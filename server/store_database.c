@@ -114,7 +114,7 @@ enum server_store_outcome server_database_open(const char *path, struct server_d
 static bool has_log(const char *path)
 {
     char log[SERVER_DISK_PATH];
-    return snprintf(log, sizeof log, "%s-wal", path) < (int)sizeof log && access(log, F_OK) == 0;
+    return snprintf(log, sizeof log, "%s-wal", path) < (int)sizeof log && server_disk_exists(log);
 }
 
 static void disconnect(struct server_database *database, bool is_sound)
@@ -140,7 +140,7 @@ static enum server_store_outcome lift(struct server_database *database)
 static enum server_store_outcome connect_to_read(struct server_database *database, const char *path)
 {
     database->had_no_log = !has_log(path);
-    return access(path, F_OK) == 0 ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
+    return server_disk_exists(path) ? connect_to(database, path, SQLITE_OPEN_READWRITE) : SERVER_STORE_ABSENT;
 }
 
 enum server_store_outcome server_database_open_to_copy(const char *path, struct server_database **out)

@@ -94,7 +94,7 @@ static enum server_disk_result make_folders(const char *folder)
     snprintf(path, sizeof path, "%s", folder);
     for (char *slash = path + 1; (slash = strchr(slash, '/')); slash++) {
         *slash = '\0';
-        enum server_disk_result result = access(path, F_OK) == 0 ? SERVER_DISK_DONE : server_disk_make_folder(path);
+        enum server_disk_result result = server_disk_exists(path) ? SERVER_DISK_DONE : server_disk_make_folder(path);
         *slash = '/';
         if (result) return result;
     }
@@ -197,7 +197,7 @@ bool server_files_open_existing(struct server_store_files *files, const char *fo
         return false;
     }
     server_files_path(files, lock, "lock");
-    return access(lock, F_OK) != 0 || take_lock(files, O_RDWR, error, error_size); /* none: nobody uses it */
+    return !server_disk_exists(lock) || take_lock(files, O_RDWR, error, error_size); /* none: nobody uses it */
 }
 
 void server_files_close(struct server_store_files *files)
@@ -372,7 +372,7 @@ enum server_store_outcome server_files_load_ballast(struct server_store_files *f
 {
     char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
     server_files_path(files, path, "ballast");
-    if (access(path, F_OK) == 0) return SERVER_STORE_DONE;
+    if (server_disk_exists(path)) return SERVER_STORE_DONE;
     void *zeros = calloc(1, BALLAST_BYTES);
     if (!zeros) return SERVER_STORE_NO_MEMORY;
     temporary_path(files, temporary);

@@ -114,7 +114,7 @@ static void choose_suffix(const struct server_store_files *files, const char *co
         is_taken = false;
         for (size_t i = 0; names[i]; i++) {
             aside_path(files, path, names[i], suffix);
-            is_taken |= access(path, F_OK) == 0;
+            is_taken |= server_disk_exists(path);
         }
     }
 }

@@ -32,6 +32,7 @@ BOUNDARY = {
     r"jansson\.h": ["proto/*", "server/handlers/*"],
     r"gnutls/.*": ["server/*.c"],
     r"zlib\.h": ["server/*.c", "engine/render/png.c"],
+    r"seccomp\.h": ["server/seccomp.c"],
     r"sqlite3\.h": ["server/store*.c"],
     r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
 }

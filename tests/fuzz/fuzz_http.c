@@ -48,7 +48,9 @@ static void start(void)
     char error[512];
     promise(server_config_load(&config, sizeof flags / sizeof *flags, flags, stdout, stderr) == SERVER_CONFIG_RUN);
     server_log_set_level(config.log_level);
-    server = server_start(&config, error, sizeof error);
+    int listening = server_address_bind(&config.listen, error, sizeof error);
+    promise(listening >= 0);
+    server = server_start(&config, listening, error, sizeof error);
     promise(server != NULL);
     atexit(stop);
 }
