@@ -26,6 +26,7 @@ struct server_batches {
     struct server_thread *thread;
     pthread_mutex_t lock;
     struct server_store_sql *sql;    /* under the lock until it is there; NULL: not opened as yet */
+    atomic_bool cant_open;           /* the last time that it was tried */
     struct server_batch_item *items; /* under the lock */
     char node[NODE];
     uint64_t renewed_ns;
@@ -61,6 +62,9 @@ static void open_sql(struct server_batches *batches, char *error, size_t error_s
     (void)local_path(config, path);
     batches->sql = server_store_sql_local_open(path, server_batch_queue_tables, error, error_size);
     if (batches->sql) (void)server_batch_queue_return_all(batches->sql); /* whose daemon has ended */
+    if (!batches->sql && !atomic_exchange(&batches->cant_open, true))
+        server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
+    if (batches->sql) atomic_store(&batches->cant_open, false);
 }
 
 struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error, size_t error_size)
@@ -275,6 +279,7 @@ struct server_batches *server_batches_create(struct server *server, char *error,
     batches->server = server;
     name_node(batches->node);
     pthread_mutex_init(&batches->lock, NULL);
+    (void)has_queue(batches); /* damage is found before the first batch is asked about */
     batches->thread = server_thread_start(work, batches);
     if (batches->thread) return batches;
     server_batches_destroy(batches);
@@ -300,6 +305,12 @@ void server_batches_destroy(struct server_batches *batches)
     proto_many_free(&batches->many);
     pthread_mutex_destroy(&batches->lock);
     free(batches);
+}
+
+const char *server_batches_health(struct server_batches *batches)
+{
+    bool cant_open = atomic_load(&batches->cant_open);
+    return cant_open ? "the database of batches can't be opened: see the log, mend the data folder" : NULL;
 }
 
 void server_batches_wake(struct server_batches *batches)

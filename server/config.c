@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "server/config_value.h"
+#include "server/disk.h"
 #include "server/version.h"
 
 #define NAME_LIMIT 32 /* of an option */
@@ -198,8 +199,9 @@ static bool load_line(struct server_setting_loader *loader, const char *path, un
 
 static bool load_file(struct server_setting_loader *loader, const char *path)
 {
-    FILE *file = fopen(path, "re");
-    if (!file) return server_config_complain(loader, "can't read '%s': %s", path, strerror(errno));
+    int descriptor = server_disk_open(path);
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
+    if (!file) return server_config_complain(loader, "can't read '%s': %s", path, server_disk_why());
     char line[1024];
     bool ok = true;
     for (unsigned number = 1; ok && fgets(line, sizeof line, file); number++)

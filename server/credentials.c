@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
+
+#include "server/disk.h"
 
 #define LINE_MOST  512
 #define BLANKS     " \t\r\n"
@@ -213,9 +216,11 @@ struct server_credentials *server_credentials_load(const char *path, const struc
 {
     struct reader reader = {.path = path, .error = error, .error_size = error_size};
     struct server_credentials *keys = calloc(1, sizeof *keys);
-    FILE *file = keys ? fopen(path, "re") : NULL;
+    int descriptor = keys ? server_disk_open(path) : -1;
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
     if (!file) {
-        snprintf(error, error_size, "the keys of '%s' can't be read: %s", path, strerror(errno));
+        snprintf(error, error_size, "the keys of '%s' can't be read: %s", path, server_disk_why());
+        if (descriptor >= 0) close(descriptor);
         free(keys);
         return NULL;
     }

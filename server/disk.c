@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #define FOLDER_MODE 0700
@@ -53,8 +54,8 @@ static int open_folder(const char *folder)
     return open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-/* Makes durable what has changed in it, and closes it. */
-static enum server_disk_result settle_folder(int file)
+/* Makes durable what has changed in a folder or a file, and closes it. */
+static enum server_disk_result settle(int file)
 {
     int failed = fsync(file);
     close_quietly(file);
@@ -71,7 +72,13 @@ enum server_disk_result server_disk_sync_folder(const char *folder)
 {
     int file = open_folder(folder);
     if (file < 0) return refusal() == SERVER_DISK_ABSENT ? SERVER_DISK_ABSENT : SERVER_DISK_LOST;
-    return settle_folder(file);
+    return settle(file);
+}
+
+enum server_disk_result server_disk_sync_file(const char *path)
+{
+    int file = server_disk_open(path);
+    return file < 0 ? refusal() : settle(file);
 }
 
 enum server_disk_result server_disk_make_folder(const char *path)
@@ -81,7 +88,7 @@ enum server_disk_result server_disk_make_folder(const char *path)
     snprintf(text, sizeof text, "%s", path);
     int parent = open_folder(dirname(text));
     if (parent < 0) return refusal();
-    if (mkdir(path, FOLDER_MODE) == 0) return settle_folder(parent);
+    if (mkdir(path, FOLDER_MODE) == 0) return settle(parent);
     enum server_disk_result result = errno == EEXIST ? SERVER_DISK_DONE : refusal();
     close_quietly(parent);
     return result;
@@ -121,12 +128,30 @@ enum server_disk_result server_disk_write(const char *folder, const char *path, 
         unlink_quietly(temporary);
         result = refusal();
     }
-    if (!result) return settle_folder(parent);
+    if (!result) return settle(parent);
     close_quietly(parent);
     return result;
 }
 
 /* --- reading ------------------------------------------------------------------------------------------------------ */
+
+#define IRREGULAR ENOTSUP /* in errno, of a file that is not a regular one */
+
+int server_disk_open(const char *path)
+{
+    struct stat facts;
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file < 0) return -1;
+    if (fstat(file, &facts) == 0 && S_ISREG(facts.st_mode)) return file;
+    close(file);
+    errno = IRREGULAR;
+    return -1;
+}
+
+const char *server_disk_why(void)
+{
+    return errno == IRREGULAR ? "it is no regular file" : strerror(errno);
+}
 
 static enum server_disk_result read_all(int file, char *bytes, size_t size)
 {
@@ -144,7 +169,6 @@ static enum server_disk_result read_file(int file, void **bytes, size_t *size)
 {
     struct stat facts;
     if (fstat(file, &facts) != 0) return refusal();
-    if (!S_ISREG(facts.st_mode)) return SERVER_DISK_REFUSED;
     char *buffer = malloc((size_t)facts.st_size + 1);
     if (!buffer) return SERVER_DISK_NO_MEMORY;
     enum server_disk_result result = read_all(file, buffer, (size_t)facts.st_size);
@@ -159,7 +183,7 @@ static enum server_disk_result read_file(int file, void **bytes, size_t *size)
 
 enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size)
 {
-    int file = open(path, O_RDONLY | O_CLOEXEC);
+    int file = server_disk_open(path);
     if (file < 0) return refusal();
     enum server_disk_result result = read_file(file, bytes, size);
     close_quietly(file);
@@ -191,7 +215,7 @@ static enum server_disk_result scan_file(int file, char *piece,
 enum server_disk_result server_disk_scan(const char *path, bool (*visit)(void *user, const void *bytes, size_t size),
                                          void *user)
 {
-    int file = open(path, O_RDONLY | O_CLOEXEC);
+    int file = server_disk_open(path);
     if (file < 0) return refusal();
     forget_pages(file, 0);
     char *piece = malloc(PIECE);
@@ -229,7 +253,7 @@ enum server_disk_result server_disk_remove(const char *folder, const char *path)
     int parent = folder ? open_folder(folder) : -1;
     if (folder && parent < 0) return refusal();
     enum server_disk_result result = unlink(path) != 0 ? refusal() : SERVER_DISK_DONE;
-    if (!result && folder) return settle_folder(parent);
+    if (!result && folder) return settle(parent);
     if (folder) close_quietly(parent);
     return result;
 }
@@ -250,4 +274,34 @@ enum server_disk_result server_disk_link(const char *path, const char *second)
     if (link(path, second) == 0) return SERVER_DISK_DONE;
     if (errno != EXDEV && errno != EPERM && errno != EMLINK && errno != EOPNOTSUPP) return refusal();
     return server_disk_copy(path, second);
+}
+
+/* --- damaged files ------------------------------------------------------------------------------------------------ */
+
+const char *const server_disk_database_parts[] = {"", "-wal", "-shm", NULL};
+
+static bool join(char path[SERVER_DISK_PATH], const char *file, const char *part, const char *suffix)
+{
+    int size = snprintf(path, SERVER_DISK_PATH, "%s%s%s", file, part, suffix);
+    return size > 0 && size < SERVER_DISK_PATH;
+}
+
+static bool is_suffix_taken(const char *path, const char *const *parts, const char *suffix)
+{
+    char aside[SERVER_DISK_PATH];
+    for (; *parts; parts++)
+        if (join(aside, path, *parts, suffix) && server_disk_exists(aside)) return true;
+    return false;
+}
+
+void server_disk_set_aside(const char *path, const char *const *parts, char suffix[SERVER_DISK_ASIDE_SUFFIX])
+{
+    char from[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
+    unsigned number = 1;
+    do snprintf(suffix, SERVER_DISK_ASIDE_SUFFIX, SERVER_DISK_ASIDE "-%lld-%u", (long long)time(NULL), number++);
+    while (is_suffix_taken(path, parts, suffix));
+    for (; *parts; parts++)
+        if (join(from, path, *parts, "") && join(aside, path, *parts, suffix)) (void)rename(from, aside);
+    snprintf(aside, sizeof aside, "%s", path);
+    (void)server_disk_sync_folder(dirname(aside));
 }

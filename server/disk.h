@@ -33,6 +33,13 @@ enum server_disk_result server_disk_make_folder(const char *path);
 enum server_disk_result server_disk_write(const char *folder, const char *path, const char *temporary,
                                           const void *bytes, size_t size);
 
+/* Opens a regular file to read it, and never waits for it: a FIFO or a device is refused. A descriptor, or -1: server_disk_why
+ * says why. */
+int server_disk_open(const char *path);
+
+/* Why the last call of this thread on a file failed, in words: that of errno, or that it is no regular file. */
+const char *server_disk_why(void);
+
 /* The file's bytes and one NUL more, malloc'ed. */
 enum server_disk_result server_disk_read(const char *path, void **bytes, size_t *size);
 
@@ -51,11 +58,24 @@ bool server_disk_each(const char *folder, void (*visit)(void *user, const char *
 /* Removes a name; the folder (NULL: it doesn't matter) is made durable. */
 enum server_disk_result server_disk_remove(const char *folder, const char *path);
 
+/* Makes a file's bytes durable. */
+enum server_disk_result server_disk_sync_file(const char *path);
+
 /* Makes the names in a folder durable. */
 enum server_disk_result server_disk_sync_folder(const char *folder);
 
 /* Copies a file, durably but for the new name, whose folder is for the caller to make durable. */
 enum server_disk_result server_disk_copy(const char *path, const char *copy);
+
+#define SERVER_DISK_ASIDE        ".damaged" /* in the names of damaged files that were set aside */
+#define SERVER_DISK_ASIDE_SUFFIX 64         /* most bytes of what is added to a name */
+
+/* Renames a damaged file, and those whose names are its own and one of `parts` (NULL-terminated), so that a new one can be made:
+ * `suffix`, which no other has, is added to each name. */
+void server_disk_set_aside(const char *path, const char *const *parts, char suffix[SERVER_DISK_ASIDE_SUFFIX]);
+
+/* The parts of a SQLite database. */
+extern const char *const server_disk_database_parts[];
 
 /* Gives a file a second name: a link, or a copy where links can't be made. */
 enum server_disk_result server_disk_link(const char *path, const char *second);

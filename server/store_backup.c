@@ -1,7 +1,10 @@
 /* See store_tools.h: --backup and --restore, which differ in how objects are brought over.
  *
  * The database is copied as it is at one moment; what its rows name is then brought over. A file that a replacement or
- * a delete took away meanwhile means that the moment was a bad one: then it is done again. Batches are copied before. */
+ * a delete took away meanwhile means that the moment was a bad one: then it is done again. Batches are copied before.
+ *
+ * A marker stands in the copy's folder from before its first file until after its last one is durable: no daemon starts on
+ * a copy that was interrupted, and the same command completes it. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,10 +49,16 @@ static enum server_store_outcome bring_object(struct backup *backup, const struc
     server_files_object_path(&backup->to, to, object->id);
     snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     enum server_disk_result result = server_disk_make_folder(folder);
-    if (!result && !server_disk_exists(to)) result = backup->bring(from, to);
+    if (result) return server_files_outcome(result);
+    bool is_there = server_files_read_object(&backup->to, object, &bytes) == SERVER_STORE_DONE;
+    free(bytes);
+    bytes = NULL;
+    if (!is_there) (void)server_disk_remove(NULL, to); /* a part of it, of an attempt that was interrupted */
+    result = is_there ? server_disk_sync_file(to) : backup->bring(from, to);
     if (!result) result = server_disk_sync_folder(folder);
     if (result) return server_files_outcome(result);
-    enum server_store_outcome outcome = server_files_read_object(&backup->to, object, &bytes);
+    enum server_store_outcome outcome =
+        is_there ? SERVER_STORE_DONE : server_files_read_object(&backup->to, object, &bytes);
     free(bytes);
     backup->bytes += object->size;
     return outcome;
@@ -143,18 +152,14 @@ static enum server_store_outcome copy_batches(const struct backup *backup)
 
 static bool copy_store(struct backup *backup)
 {
-    if (has_file(&backup->to, "geodesicd.db") || has_file(&backup->to, SERVER_BATCH_QUEUE_FILE)) {
-        fprintf(backup->out, "'%s' holds a data folder already: name a new one\n", backup->to.folder);
-        return false;
-    }
     enum server_store_outcome outcome = copy_batches(backup);
     if (!outcome) outcome = SERVER_STORE_ABSENT;
     for (int attempt = 0; outcome == SERVER_STORE_ABSENT && attempt < ATTEMPTS; attempt++)
         outcome = copy_moment(backup);
     if (outcome == SERVER_STORE_ABSENT)
         fprintf(backup->out, "an uploaded file is missing, or surfaces change too fast: see --check-store\n");
-    if (!outcome && server_disk_sync_folder(backup->to.folder) == SERVER_DISK_DONE) return true;
-    fprintf(backup->out, "no copy was made; what there is of it in '%s' can be deleted\n", backup->to.folder);
+    if (!outcome && server_files_finish(&backup->to) == SERVER_STORE_DONE) return true;
+    fprintf(backup->out, "no copy was made: '%s' is unfinished; run the same again, or delete it\n", backup->to.folder);
     return false;
 }
 
@@ -163,7 +168,8 @@ static bool copy_folder(struct backup backup, const char *folder, const char *co
     FILE *out = backup.out;
     char error[512];
     snprintf(backup.from.folder, sizeof backup.from.folder, "%s", folder);
-    if (!server_files_open(&backup.to, copy, error, sizeof error)) {
+    if (server_files_is_unfinished(folder, error, sizeof error) ||
+        !server_files_open_copy(&backup.to, copy, error, sizeof error)) {
         fprintf(out, "%s\n", error);
         return false;
     }

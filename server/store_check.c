@@ -183,7 +183,7 @@ static void on_manifest(void *user, const char *path, const char *file)
     struct check *check = user;
     char key[SERVER_KEY_TEXT], objects[SERVER_PARTS][SERVER_OBJECT];
     if (!server_files_manifest_key(file, key)) {
-        if (strstr(file, SERVER_STORE_ASIDE))
+        if (strstr(file, SERVER_DISK_ASIDE))
             check->aside++;
         else
             fault(check, "the file is none of the store's", path);
@@ -263,7 +263,7 @@ static void on_file(void *user, const char *path, const char *file)
 {
     struct check *check = user;
     (void)path;
-    check->aside += strstr(file, SERVER_STORE_ASIDE) != NULL;
+    check->aside += strstr(file, SERVER_DISK_ASIDE) != NULL;
 }
 
 static void print_sums(const struct check *check)
@@ -282,7 +282,7 @@ static void print_sums(const struct check *check)
     if (check->aside)
         fprintf(check->out,
                 "note: %u damaged files were put aside (*%s*); delete them when they have told you enough\n",
-                check->aside, SERVER_STORE_ASIDE);
+                check->aside, SERVER_DISK_ASIDE);
     fprintf(check->out, "%u manifests, %u rows, %u files (%llu bytes), %u fields verified: %u faults\n",
             check->manifests, check->rows, check->verified, check->bytes, check->fields, check->faults);
 }

@@ -140,26 +140,46 @@ static enum server_disk_result sync_layout(const struct server_store_files *file
     return result ? result : server_disk_sync_folder(path);
 }
 
-static bool take_lock(struct server_store_files *files, int flags, char *error, size_t error_size)
+static bool refuse_second(const struct server_store_files *files, char *error, size_t error_size)
 {
-    char path[SERVER_DISK_PATH];
-    server_files_path(files, path, "lock");
-    files->lock = open(path, flags | O_CLOEXEC, 0600);
-    if (files->lock < 0) {
-        snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
-        return false;
-    }
-    if (flock(files->lock, LOCK_EX | LOCK_NB) == 0) return true;
     snprintf(error, error_size,
              "the data folder '%s' is in use by another geodesicd: stop that one, or choose another --data-dir",
              files->folder);
-    close(files->lock);
+    return false;
+}
+
+static bool refuse_path(const char *path, char *error, size_t error_size)
+{
+    snprintf(error, error_size, "can't open '%s': %s", path, strerror(errno));
+    return false;
+}
+
+/* The folder itself is locked, since a file that holds a lock can be removed; and the file, by which earlier versions know,
+ * and which can be locked where a folder can't (NFS). */
+static bool lock_both(struct server_store_files *files, int flags, char *error, size_t error_size)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, "lock");
+    files->held = open(files->folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (files->held < 0) return refuse_path(files->folder, error, error_size);
+    if (flock(files->held, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        return refuse_second(files, error, error_size);
+    files->lock = open(path, flags | O_CLOEXEC | O_NONBLOCK, 0600);
+    if (files->lock < 0 && errno == ENOENT) return true; /* without O_CREAT: a copy has no such file as yet */
+    if (files->lock < 0) return refuse_path(path, error, error_size);
+    return flock(files->lock, LOCK_EX | LOCK_NB) == 0 || refuse_second(files, error, error_size);
+}
+
+static bool take_lock(struct server_store_files *files, int flags, char *error, size_t error_size)
+{
+    if (lock_both(files, flags, error, error_size)) return true;
+    server_files_close(files);
     return false;
 }
 
 static bool set_folder(struct server_store_files *files, const char *folder, char *error, size_t error_size)
 {
-    *files = (struct server_store_files){.lock = -1};
+    *files = (struct server_store_files){.held = -1, .lock = -1};
     if (strlen(folder) >= sizeof files->folder) {
         snprintf(error, error_size, "the path of the data folder is longer than %d bytes", SERVER_STORE_FOLDER - 1);
         return false;
@@ -168,15 +188,29 @@ static bool set_folder(struct server_store_files *files, const char *folder, cha
     return true;
 }
 
+static bool refuse_folder(const char *folder, char *error, size_t error_size)
+{
+    snprintf(error, error_size, "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
+             folder, strerror(errno));
+    return false;
+}
+
+/* Earlier versions made databases as umask let them. */
+static void make_private(void *user, const char *path, const char *file)
+{
+    struct stat facts;
+    (void)user, (void)file;
+    if (lstat(path, &facts) == 0 && S_ISREG(facts.st_mode) && (facts.st_mode & 077)) (void)chmod(path, 0600);
+}
+
 bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size)
 {
     if (!set_folder(files, folder, error, error_size)) return false;
-    if (make_layout(files) || sync_layout(files)) {
-        snprintf(error, error_size, "can't make the data folder '%s': %s; choose another --data-dir, or --store memory",
-                 folder, strerror(errno));
-        return false;
-    }
-    return take_lock(files, O_RDWR | O_CREAT, error, error_size);
+    if (server_files_is_unfinished(folder, error, error_size)) return false;
+    if (make_layout(files) || sync_layout(files)) return refuse_folder(folder, error, error_size);
+    if (!take_lock(files, O_RDWR | O_CREAT, error, error_size)) return false;
+    (void)server_disk_each(folder, make_private, NULL);
+    return true;
 }
 
 static bool has_folder(const struct server_store_files *files, const char *name)
@@ -189,20 +223,129 @@ static bool has_folder(const struct server_store_files *files, const char *name)
 
 bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error, size_t error_size)
 {
-    char lock[SERVER_DISK_PATH];
     if (!set_folder(files, folder, error, error_size)) return false;
     if (!has_folder(files, "objects") || !has_folder(files, "manifests")) {
         snprintf(error, error_size, "there is no data folder at '%s': name one that a daemon or --backup has made",
                  folder);
         return false;
     }
-    server_files_path(files, lock, "lock");
-    return !server_disk_exists(lock) || take_lock(files, O_RDWR, error, error_size); /* none: nobody uses it */
+    if (server_files_is_unfinished(folder, error, error_size)) return false;
+    return take_lock(files, O_RDWR, error, error_size);
 }
 
 void server_files_close(struct server_store_files *files)
 {
     if (files->lock >= 0) close(files->lock);
+    if (files->held >= 0) close(files->held);
+}
+
+bool server_files_are_there(const struct server_store_files *files)
+{
+    static const char *const parts[] = {"objects", "manifests", "geodesicd.db"};
+    char path[SERVER_DISK_PATH];
+    struct stat now, held;
+    if (stat(files->folder, &now) != 0 || fstat(files->held, &held) != 0) return false;
+    bool are_there = now.st_dev == held.st_dev && now.st_ino == held.st_ino;
+    for (size_t i = 0; are_there && i < sizeof parts / sizeof *parts; i++) {
+        server_files_path(files, path, parts[i]);
+        are_there = server_disk_exists(path);
+    }
+    return are_there;
+}
+
+/* --- copies ------------------------------------------------------------------------------------------------------- */
+
+#define UNFINISHED "unfinished"
+
+bool server_files_is_unfinished(const char *folder, char *error, size_t error_size)
+{
+    char path[SERVER_DISK_PATH];
+    snprintf(path, sizeof path, "%s/" UNFINISHED, folder);
+    if (!server_disk_exists(path)) return false;
+    snprintf(error, error_size,
+             "'%s' is an unfinished copy: run the --restore or --backup that began it again, or delete the folder",
+             folder);
+    return true;
+}
+
+static void on_some_file(void *user, const char *path, const char *file)
+{
+    (void)path, (void)file;
+    *(bool *)user = true;
+}
+
+/* Databases, and what the folders hold. */
+static bool has_data(const struct server_store_files *files)
+{
+    static const char *const databases[] = {"geodesicd.db", "batches.db"};
+    static const char *const folders[] = {"objects", "manifests"};
+    char path[SERVER_DISK_PATH];
+    bool has_some = false;
+    for (int i = 0; i < 2; i++) {
+        server_files_path(files, path, databases[i]);
+        has_some |= server_disk_exists(path);
+        server_files_path(files, path, folders[i]);
+        (void)server_disk_each(path, on_some_file, &has_some);
+    }
+    return has_some;
+}
+
+static void on_left_file(void *user, const char *path, const char *file)
+{
+    const char *const *only = user;
+    if (!only || strncmp(file, only[0], strlen(only[0])) == 0 || strncmp(file, only[1], strlen(only[1])) == 0)
+        (void)unlink(path);
+}
+
+/* What an earlier attempt has left may be of another moment, or of another backup: but objects are what their names say. */
+static void clear_copy(const struct server_store_files *files)
+{
+    static const char *databases[] = {"geodesicd.db", "batches.db"};
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, "manifests");
+    (void)server_disk_each(path, on_left_file, NULL);
+    server_files_path(files, path, "temporary");
+    (void)server_disk_each(path, on_left_file, NULL);
+    (void)server_disk_each(files->folder, on_left_file, databases);
+}
+
+static bool mark(struct server_store_files *files, char *error, size_t error_size)
+{
+    static const char text[] = "geodesicd --restore or --backup has not finished this copy: run it again\n";
+    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
+    server_files_path(files, path, UNFINISHED);
+    server_files_path(files, temporary, UNFINISHED ".new");
+    if (server_disk_exists(path)) return true;
+    (void)unlink(temporary);
+    return server_disk_write(files->folder, path, temporary, text, strlen(text)) == SERVER_DISK_DONE ||
+           refuse_path(path, error, error_size);
+}
+
+static bool begin_copy(struct server_store_files *files, char *error, size_t error_size)
+{
+    if (!mark(files, error, error_size)) return false;
+    clear_copy(files);
+    return (!make_layout(files) && !sync_layout(files)) || refuse_folder(files->folder, error, error_size);
+}
+
+bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error, size_t error_size)
+{
+    if (!set_folder(files, folder, error, error_size)) return false;
+    if (make_folders(folder)) return refuse_folder(folder, error, error_size);
+    if (!take_lock(files, O_RDWR | O_CREAT, error, error_size)) return false;
+    bool is_refused = !server_files_is_unfinished(folder, error, error_size) && has_data(files);
+    if (is_refused) snprintf(error, error_size, "'%s' holds a data folder already: name a new one", folder);
+    if (!is_refused && begin_copy(files, error, error_size)) return true;
+    server_files_close(files);
+    return false;
+}
+
+enum server_store_outcome server_files_finish(const struct server_store_files *files)
+{
+    char path[SERVER_DISK_PATH];
+    server_files_path(files, path, UNFINISHED);
+    enum server_disk_result result = server_disk_sync_folder(files->folder);
+    return server_files_outcome(result ? result : server_disk_remove(files->folder, path));
 }
 
 /* --- objects ------------------------------------------------------------------------------------------------------ */

@@ -1,6 +1,7 @@
 /* Store files: the folder of a local store.
  *
- *     lock                        held by the process that has the store open
+ *     lock                        locked, as the folder itself, by the process that has the store open
+ *     unfinished                  the marker of a copy that --backup or --restore has not finished: written first, removed last
  *     geodesicd.db, -wal, -shm    SQLite: the records as rows
  *     batches.db, -wal, -shm      SQLite: the batches (batch_queue.h); made by the first
  *     objects/ab/<object>         files and attachments, immutable, named by their content (record.h), shared by all
@@ -19,12 +20,11 @@
 #include "server/disk.h"
 #include "server/store.h"
 
-#define SERVER_STORE_FOLDER 3500       /* most bytes of the folder's path */
-#define SERVER_STORE_ASIDE  ".damaged" /* in the names of damaged files that were put aside */
+#define SERVER_STORE_FOLDER 3500 /* most bytes of the folder's path */
 
 struct server_store_files {
     char folder[SERVER_STORE_FOLDER];
-    int lock;        /* descriptor */
+    int held, lock;  /* descriptors of the folder and of its file, both locked; -1: none */
     unsigned serial; /* of temporary files */
 };
 
@@ -41,11 +41,22 @@ bool server_files_manifest_key(const char *file, char key[SERVER_KEY_TEXT]);
 /* Can this be the file name of an object? */
 bool server_files_object_check(const char *file);
 
-/* Makes the folders, with durable names, and takes the lock; false with a sentence. server_files_close gives the
- * lock back. */
+/* Makes the folders, with durable names, makes its files private, and takes the lock; false with a sentence, also for an
+ * unfinished copy. server_files_close gives the lock back. */
 bool server_files_open(struct server_store_files *files, const char *folder, char *error, size_t error_size);
 /* The same of a data folder as it is there: nothing is made, and one without `objects` and `manifests` is none. */
 bool server_files_open_existing(struct server_store_files *files, const char *folder, char *error, size_t error_size);
+/* The same of a new folder that is to become a copy of another, or of an unfinished one: of that, objects alone are kept. The
+ * folder is unfinished until server_files_finish; then no copy is refused any more. */
+bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error, size_t error_size);
+enum server_store_outcome server_files_finish(const struct server_store_files *files);
+
+/* Is that folder an unfinished copy? If so, `error` says what to do. */
+bool server_files_is_unfinished(const char *folder, char *error, size_t error_size);
+
+/* Are the folder, its folders and its database where they were? */
+bool server_files_are_there(const struct server_store_files *files);
+
 void server_files_close(struct server_store_files *files);
 
 /* --- objects --- */

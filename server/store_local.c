@@ -29,8 +29,14 @@ void server_local_forbid(struct server_store_local *local, const char *format, .
 
 static const char *health(struct server_store *store)
 {
+    static const char missing[] = "the data folder, or a part of it (objects, manifests, geodesicd.db), was removed or "
+                                  "replaced under the daemon: put it back, or restart on what there is";
     struct server_store_local *local = local_of(store);
-    return atomic_load(&local->is_read_only) ? local->reason : NULL;
+    if (atomic_load(&local->is_read_only)) return local->reason;
+    bool is_missing = !server_files_are_there(&local->files);
+    if (atomic_exchange(&local->was_missing, is_missing) != is_missing)
+        server_log_message(SERVER_LOG_ERROR, "store_missing", "%s", is_missing ? missing : "the data folder is back");
+    return is_missing ? missing : NULL;
 }
 
 static bool can_write(struct server_store_local *local)

@@ -19,7 +19,8 @@ struct server_store_local {
     char left[SERVER_PARTS][SERVER_OBJECT]; /* objects that the change under way took from a surface; empty: none */
     bool lacks_rows; /* a row could not be mended: so the database can't tell which bytes are unused */
     atomic_bool is_read_only;
-    char reason[512]; /* why; written once, before is_read_only is set */
+    char reason[512];        /* why; written once, before is_read_only is set */
+    atomic_bool was_missing; /* the folder, or a part of it, when its health was last asked for */
 };
 
 /* Nothing is written from now on; the first reason counts. */

@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "server/log.h"
@@ -94,46 +93,10 @@ static bool on_row(void *user, const struct server_row *row)
 
 /* --- the database ------------------------------------------------------------------------------------------------- */
 
-#define SUFFIX 64
-
-static void aside_path(const struct server_store_files *files, char path[SERVER_DISK_PATH], const char *name,
-                       const char *suffix)
+static void move_database_aside(const char *path)
 {
-    char file[SERVER_KEY_TEXT + 2 * SUFFIX];
-    snprintf(file, sizeof file, "%s%s", name, suffix);
-    server_files_path(files, path, file);
-}
-
-/* A suffix for damaged files that none of them has as yet: what was put aside before stays. */
-static void choose_suffix(const struct server_store_files *files, const char *const *names, char suffix[SUFFIX])
-{
-    char path[SERVER_DISK_PATH];
-    bool is_taken = true;
-    for (unsigned number = 1; is_taken; number++) {
-        snprintf(suffix, SUFFIX, SERVER_STORE_ASIDE "-%lld-%u", (long long)time(NULL), number);
-        is_taken = false;
-        for (size_t i = 0; names[i]; i++) {
-            aside_path(files, path, names[i], suffix);
-            is_taken |= server_disk_exists(path);
-        }
-    }
-}
-
-static void move_aside(const struct server_store_files *files, const char *name, const char *suffix)
-{
-    char path[SERVER_DISK_PATH], aside[SERVER_DISK_PATH];
-    server_files_path(files, path, name);
-    aside_path(files, aside, name, suffix);
-    (void)rename(path, aside);
-}
-
-static void move_database_aside(const struct server_store_files *files)
-{
-    static const char *const names[] = {"geodesicd.db", "geodesicd.db-wal", "geodesicd.db-shm", NULL};
-    char suffix[SUFFIX];
-    choose_suffix(files, names, suffix);
-    for (size_t i = 0; names[i]; i++) move_aside(files, names[i], suffix);
-    (void)server_disk_sync_folder(files->folder);
+    char suffix[SERVER_DISK_ASIDE_SUFFIX];
+    server_disk_set_aside(path, server_disk_database_parts, suffix);
     server_log_message(
         SERVER_LOG_ERROR, "store_database_damaged",
         "the database is damaged: it was renamed to geodesicd.db%s, a new one is made from the manifests", suffix);
@@ -169,7 +132,7 @@ static void open_database(struct recovery *recovery)
         forget_findings(recovery);
         server_database_close(local->database, false);
         local->database = NULL;
-        move_database_aside(&local->files);
+        move_database_aside(path);
         outcome = read_database(recovery, path);
     }
     recovery->sorted = recovery->count;
@@ -229,12 +192,10 @@ static void mend_row(struct server_store_local *local, const struct finding *fin
 
 static void put_manifest_aside(struct recovery *recovery, const struct finding *finding)
 {
-    const struct server_store_files *files = &recovery->local->files;
-    char path[SERVER_DISK_PATH], suffix[SUFFIX];
-    server_files_manifest_path(files, path, finding->key);
-    const char *const names[] = {path + strlen(files->folder) + 1, NULL};
-    choose_suffix(files, names, suffix);
-    move_aside(files, names[0], suffix);
+    static const char *const parts[] = {"", NULL};
+    char path[SERVER_DISK_PATH], suffix[SERVER_DISK_ASIDE_SUFFIX];
+    server_files_manifest_path(&recovery->local->files, path, finding->key);
+    server_disk_set_aside(path, parts, suffix);
     recovery->lost_some = true;
 }
 

@@ -21,7 +21,8 @@ struct server_store_sql {
 };
 
 /* In that file, which is made if need be; ":memory:": in none. `steps`: NULL-terminated statements that make the tables, harmless to
- * repeat. NULL with a sentence. */
+ * repeat; static. A damaged file is set aside, now or whenever a statement meets damage, and an empty one takes its place. NULL with
+ * a sentence. */
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps, char *error,
                                                      size_t error_size);
 

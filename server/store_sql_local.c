@@ -3,7 +3,10 @@
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "server/disk.h"
+#include "server/log.h"
 #include "server/store_schema.h"
 #include "server/store_sql.h"
 
@@ -12,7 +15,9 @@
 struct sql_local {
     struct server_store_sql sql; /* first */
     pthread_mutex_t lock;
-    sqlite3 *connection;
+    sqlite3 *connection; /* NULL: the database was damaged and can't be made anew as yet */
+    char path[SERVER_DISK_PATH];
+    const char *const *steps;
 };
 
 /* --- values ------------------------------------------------------------------------------------------------------- */
@@ -52,32 +57,109 @@ static struct server_sql_value read_value(sqlite3_stmt *statement, int column)
 
 /* --- statements --------------------------------------------------------------------------------------------------- */
 
+struct visitor {
+    server_sql_visit *visit; /* NULL: rows are not wanted */
+    void *user;
+};
+
 /* All steps are made, also when no more rows are wanted. */
-static int step_through(sqlite3_stmt *statement, server_sql_visit *visit, void *user)
+static int step_through(sqlite3_stmt *statement, struct visitor visitor)
 {
     struct server_sql_value row[SERVER_SQL_VALUES];
     int code, columns = sqlite3_column_count(statement);
     while ((code = sqlite3_step(statement)) == SQLITE_ROW) {
         for (int i = 0; i < columns && i < SERVER_SQL_VALUES; i++) row[i] = read_value(statement, i);
-        if (visit && !visit(user, row)) visit = NULL;
+        if (visitor.visit && !visitor.visit(visitor.user, row)) visitor.visit = NULL;
     }
     return code;
 }
 
+/* --- the file ------------------------------------------------------------------------------------------------------ */
+
+static int on_check(void *user, int columns, char **values, char **names)
+{
+    (void)names;
+    *(bool *)user = columns == 1 && values[0] && strcmp(values[0], "ok") == 0;
+    return 0;
+}
+
+static int set_up(sqlite3 *connection, const char *const *steps)
+{
+    bool is_sound = false;
+    int code = sqlite3_busy_timeout(connection, BUSY_MS);
+    if (!code)
+        code = sqlite3_exec(connection,
+                            "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"
+                            "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL",
+                            NULL, NULL, NULL);
+    if (!code) code = sqlite3_exec(connection, "PRAGMA integrity_check(1)", on_check, &is_sound, NULL);
+    if (!code && !is_sound) return SQLITE_CORRUPT;
+    for (; !code && *steps; steps++) code = sqlite3_exec(connection, *steps, NULL, NULL, NULL);
+    return code;
+}
+
+static void disconnect(struct sql_local *own)
+{
+    sqlite3_close(own->connection);
+    own->connection = NULL;
+}
+
+static int connect_to(struct sql_local *own)
+{
+    int code = sqlite3_open(own->path, &own->connection);
+    if (!code) code = set_up(own->connection, own->steps);
+    if (code) disconnect(own);
+    return code;
+}
+
+static bool is_damage(int code)
+{
+    return (code & 0xff) == SQLITE_CORRUPT || (code & 0xff) == SQLITE_NOTADB;
+}
+
+static int replace(struct sql_local *own)
+{
+    char suffix[SERVER_DISK_ASIDE_SUFFIX];
+    disconnect(own);
+    server_disk_set_aside(own->path, server_disk_database_parts, suffix);
+    server_log_message(SERVER_LOG_ERROR, "batches_damaged",
+                       "the database of batches is damaged: it was renamed to %s%s, and there is a new one; batches of "
+                       "before are lost, send them again",
+                       own->path, suffix);
+    return connect_to(own);
+}
+
+static int open_or_replace(struct sql_local *own)
+{
+    int code = own->connection ? SQLITE_OK : connect_to(own);
+    return is_damage(code) ? replace(own) : code;
+}
+
+/* --- statements ---------------------------------------------------------------------------------------------------- */
+
+static int run_once(struct sql_local *own, const char *text, const struct server_sql_value *values, int count,
+                    struct visitor visitor)
+{
+    sqlite3_stmt *statement = NULL;
+    int code = sqlite3_prepare_v2(own->connection, text, -1, &statement, NULL);
+    for (int i = 0; !code && i < count; i++) code = bind(statement, i + 1, &values[i]);
+    if (!code) code = step_through(statement, visitor);
+    (void)sqlite3_finalize(statement);
+    return code == SQLITE_DONE ? SQLITE_OK : code;
+}
+
+/* A statement that meets damage is not run again: rows may have been shown. */
 static enum server_store_outcome run(struct server_store_sql *sql, const char *text,
                                      const struct server_sql_value *values, int count, server_sql_visit *visit,
                                      void *user)
 {
     struct sql_local *own = (struct sql_local *)sql;
-    sqlite3_stmt *statement = NULL;
     pthread_mutex_lock(&own->lock);
-    int code = sqlite3_prepare_v2(own->connection, text, -1, &statement, NULL);
-    for (int i = 0; !code && i < count; i++) code = bind(statement, i + 1, &values[i]);
-    if (!code) code = step_through(statement, visit, user);
-    if (code == SQLITE_DONE) code = SQLITE_OK;
-    (void)sqlite3_finalize(statement);
-    enum server_store_outcome outcome = server_store_outcome_of(code);
+    int code = open_or_replace(own);
+    if (!code) code = run_once(own, text, values, count, (struct visitor){visit, user});
+    if (is_damage(code)) (void)replace(own);
     pthread_mutex_unlock(&own->lock);
+    enum server_store_outcome outcome = server_store_outcome_of(code);
     return outcome == SERVER_STORE_DAMAGED ? SERVER_STORE_READ_ONLY : outcome;
 }
 
@@ -86,18 +168,9 @@ static enum server_store_outcome run(struct server_store_sql *sql, const char *t
 static void close_sql(struct server_store_sql *sql)
 {
     struct sql_local *own = (struct sql_local *)sql;
-    sqlite3_close(own->connection);
+    disconnect(own);
     pthread_mutex_destroy(&own->lock);
     free(own);
-}
-
-static int set_up(sqlite3 *connection, const char *const *steps)
-{
-    int code = sqlite3_busy_timeout(connection, BUSY_MS);
-    if (!code)
-        code = sqlite3_exec(connection, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL", NULL, NULL, NULL);
-    for (; !code && *steps; steps++) code = sqlite3_exec(connection, *steps, NULL, NULL, NULL);
-    return code;
 }
 
 struct server_store_sql *server_store_sql_local_open(const char *path, const char *const *steps, char *error,
@@ -107,9 +180,10 @@ struct server_store_sql *server_store_sql_local_open(const char *path, const cha
     snprintf(error, error_size, "out of memory");
     if (!own) return NULL;
     own->sql = (struct server_store_sql){.run = run, .skip_locked = "", .close = close_sql};
+    own->steps = steps;
+    snprintf(own->path, sizeof own->path, "%s", path);
     pthread_mutex_init(&own->lock, NULL);
-    int code = sqlite3_open(path, &own->connection);
-    if (!code) code = set_up(own->connection, steps);
+    int code = open_or_replace(own);
     if (!code) return &own->sql;
     snprintf(error, error_size, "the database %s can't be used: %s", path, sqlite3_errstr(code));
     close_sql(&own->sql);

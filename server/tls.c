@@ -6,6 +6,7 @@
 
 #include <gnutls/abstract.h>
 #include <gnutls/gnutls.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -13,6 +14,7 @@
 #include <string.h>
 
 #include "gd/control.h"
+#include "server/disk.h"
 
 #define CHAIN_MOST 8
 #define RETIRED_NS UINT64_C(600000000000)
@@ -49,14 +51,26 @@ static bool complain(char *error, size_t error_size, const char *path, int code)
     return false;
 }
 
+/* The text is to be freed by free. */
+static bool read_text(const char *path, gnutls_datum_t *text, char *error, size_t error_size)
+{
+    void *bytes;
+    size_t size;
+    if (server_disk_read(path, &bytes, &size) == SERVER_DISK_DONE && size <= UINT_MAX) {
+        *text = (gnutls_datum_t){bytes, (unsigned)size};
+        return true;
+    }
+    snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, server_disk_why());
+    return false;
+}
+
 static bool load_chain(struct identity *identity, const char *path, char *error, size_t error_size)
 {
     gnutls_datum_t text;
     unsigned count = CHAIN_MOST;
-    int code = gnutls_load_file(path, &text);
-    if (code < 0) return complain(error, error_size, path, code);
-    code = gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
-    gnutls_free(text.data);
+    if (!read_text(path, &text, error, error_size)) return false;
+    int code = gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
+    free(text.data);
     if (code < 0) return complain(error, error_size, path, code);
     identity->count = count;
     return true;
@@ -65,12 +79,11 @@ static bool load_chain(struct identity *identity, const char *path, char *error,
 static bool load_key(struct identity *identity, const char *path, char *error, size_t error_size)
 {
     gnutls_datum_t text;
-    int code = gnutls_load_file(path, &text);
-    if (code < 0) return complain(error, error_size, path, code);
-    code = gnutls_privkey_init(&identity->key);
+    if (!read_text(path, &text, error, error_size)) return false;
+    int code = gnutls_privkey_init(&identity->key);
     if (code == 0) code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
     gnutls_memset(text.data, 0, text.size);
-    gnutls_free(text.data);
+    free(text.data);
     return code == 0 || complain(error, error_size, path, code);
 }
 

@@ -8,8 +8,9 @@
 
 struct server_tls;
 
-/* What may be spoken, in GnuTLS' words. */
-#define SERVER_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2"
+/* What may be spoken, in GnuTLS' words: no exchange of keys by RSA, since it lets whoever gets the private key later read what was
+ * recorded before (no forward secrecy). */
+#define SERVER_TLS_PRIORITIES "NORMAL:-VERS-ALL:+VERS-TLS1.3:+VERS-TLS1.2:-RSA"
 
 /* Reads both files (PEM; the certificate first, then those that it rests on). NULL with a sentence in `error`. One at a time can be
  * open in a process: GnuTLS passes no pointer on. */

@@ -27,7 +27,6 @@ static struct server_store_sql *open_queue(struct server_exchange *exchange)
     char error[256];
     struct server_store_sql *sql = server_batches_sql(exchange->server->batches, error, sizeof error);
     if (sql) return sql;
-    server_log_message(SERVER_LOG_ERROR, "batches_unavailable", "%s", error);
     server_request_fail(exchange, SERVER_STORE_REFUSED);
     return NULL;
 }

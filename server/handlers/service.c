@@ -2,6 +2,7 @@
 #include "server/handlers/handlers.h"
 
 #include "proto/service.h"
+#include "server/batches.h"
 #include "server/handlers/request.h"
 #include "server/reply.h"
 #include "server/server.h"
@@ -48,6 +49,7 @@ void server_handle_get_livez(struct server_exchange *exchange)
 void server_handle_get_readyz(struct server_exchange *exchange)
 {
     const char *reason = server_registry_health(exchange->server->registry);
+    if (!reason) reason = server_batches_health(exchange->server->batches);
     if (!server_request_is_plain(exchange)) return;
     if (atomic_load(&exchange->server->draining)) {
         server_reply_header(exchange, "Retry-After", "1");

@@ -4,6 +4,7 @@ import concurrent.futures
 import gzip
 import hashlib
 import json
+import os
 import pathlib
 import subprocess
 import tempfile
@@ -32,6 +33,31 @@ def bearer(name):
 
 def keygen(*arguments):
     return subprocess.run([PROGRAM, "keygen", *arguments], capture_output=True, text=True, timeout=PATIENCE_SECONDS)
+
+
+class Files(unittest.TestCase):
+    def test_a_file_of_keys_that_is_no_file_stops_nothing(self):
+        with tempfile.TemporaryDirectory() as place:
+            file = pathlib.Path(place) / "keys"
+            file.write_text(line("first"))
+            with Daemon("--keys", str(file)) as daemon:
+                for make in (os.mkfifo, os.mkdir):
+                    file.unlink()
+                    make(file)
+                    told = daemon.reload()
+                    self.assertEqual(told["event"], "reload_failed")
+                    self.assertIn("it is no regular file", told["message"])
+                    self.assertEqual(daemon.get("/v1", **bearer("first")).status, 200)
+                    os.rmdir(file) if file.is_dir() else file.unlink()
+                    file.write_text(line("first"))
+                file.unlink()
+                os.mkfifo(file)
+                daemon.reload()
+                self.assertEqual(daemon.stop(), 0)
+            for flag in ("--keys", "--config"):
+                refused = subprocess.run([PROGRAM, "--store", "memory", flag, str(file)], capture_output=True, text=True, timeout=PATIENCE_SECONDS)
+                self.assertNotEqual(refused.returncode, 0)
+                self.assertIn("it is no regular file", refused.stderr)
 
 
 class Keyed(TestCase):

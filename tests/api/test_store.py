@@ -265,6 +265,31 @@ class Tools(Stored):
         (copy / "geodesicd.db").unlink()
         self.assertEqual(self.tool("--backup", copy).returncode, 1, "a copy in the place of what a folder had")
 
+    def test_an_unfinished_copy_is_refused_until_it_is_completed(self):
+        copy, again = (pathlib.Path(self.place.name) / name for name in ("copy", "again"))
+        with self.start() as daemon:
+            daemon.put("sphere", sample("icosphere", level=2))
+        self.assertEqual(self.tool("--backup", copy).returncode, 0)
+        self.assertEqual(self.tool("--restore", copy, folder=again).returncode, 0)
+        self.assertFalse((again / "unfinished").exists())
+        refused = self.tool("--restore", copy, folder=again)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("holds a data folder already", refused.stdout)
+        (again / "unfinished").touch()  # as a restore that was killed has left it
+        next(again.glob("objects/*/*")).write_bytes(b"a part")
+        (again / "temporary" / "0").touch()
+        (again / "manifests" / "of-another-time.manifest").touch()
+        with self.assertRaisesRegex(RuntimeError, "is an unfinished copy: run the --restore or --backup that began it again"):
+            Daemon("--data-dir", str(again))
+        for flags in (("--check-store",), ("--backup", copy / "of-it")):
+            self.assertIn("is an unfinished copy", self.tool(*flags, folder=again).stdout)
+        self.assertIn("is an unfinished copy", self.tool("--restore", again, folder=copy / "of-it").stdout)
+        self.assertEqual(self.tool("--restore", copy, folder=again).returncode, 0)
+        check = self.tool("--check-store", folder=again)
+        self.assertEqual((check.returncode, check.stdout.count("fault")), (0, 1), check)
+        with Daemon("--data-dir", str(again)) as daemon:
+            self.assertEqual(daemon.get("/v1/meshes/sphere/distance?from=v:0&to=v:9").status, 200)
+
     def test_check_of_nothing(self):
         self.assertEqual(self.tool("--check-store").returncode, 1)
         self.assertFalse(self.folder.exists())

@@ -11,8 +11,9 @@ import subprocess
 import tarfile
 import unittest
 
-from harness import SQUARE, TETRAHEDRON, Daemon
+from harness import SQUARE, TETRAHEDRON, Daemon, wait_until
 from stored import Stored
+from test_batches import begin, wait
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -36,6 +37,81 @@ class Damage(Stored):
                 away.rename(self.folder / folder)
                 self.assertEqual(daemon.put(name, SQUARE).status, 201)
             self.assertEqual(len([line for line in daemon.log if line.get("event") == "store_refused" and "No such file" in line["message"]]), 2)
+
+    def test_a_folder_that_was_removed_shows_in_readyz(self):
+        away = self.folder.with_name("away")
+        self.fill()
+        with self.start() as daemon:
+            self.assertEqual(daemon.get("/readyz").json, {"status": "ok"})
+            for what in (self.folder, self.folder / "objects", self.folder / "geodesicd.db"):
+                what.rename(away)
+                told = daemon.get("/readyz").json
+                self.assertEqual(told["status"], "read_only", what)
+                self.assertIn("was removed or replaced", told["reason"])
+                self.assertEqual(daemon.metric("store_writable"), 0)
+                away.rename(what)
+                self.assertEqual(daemon.get("/readyz").json, {"status": "ok"}, what)
+            self.folder.rename(away)
+            shutil.copytree(away, self.folder)
+            self.assertEqual(daemon.get("/readyz").json["status"], "read_only", "another folder in its place")
+            shutil.rmtree(self.folder)
+            away.rename(self.folder)
+            wait_until(lambda: self.events(daemon).count("store_missing") == 7)
+
+    def test_no_second_daemon_where_the_lock_was_removed(self):
+        with self.start() as daemon:
+            (self.folder / "lock").unlink()
+            with self.assertRaisesRegex(RuntimeError, "is in use by another geodesicd"):
+                self.start()
+            self.assertIn("is in use by another geodesicd", self.tool("--check-store").stdout)
+            self.assertEqual(daemon.put("a", SQUARE).status, 201)
+
+    def test_all_files_are_private(self):
+        self.folder.mkdir()
+        mask = os.umask(0)
+        try:
+            for _ in range(2):
+                with self.start("--persist-fields") as daemon:
+                    daemon.put("sphere", SQUARE)
+                    begin(daemon, {"query": "all-pairs", "mesh": "sphere", "vertices": [0, 1]})
+                    daemon.ask_often("sphere", "v:0")
+                    daemon.get("/v1/meshes/sphere/distance?from=v:0&to=v:2")
+                modes = {path: path.stat().st_mode & 0o77 for path in self.folder.rglob("*")}
+                self.assertEqual([path for path, mode in modes.items() if mode], [])
+                self.assertGreater(len(list(self.folder.glob("fields/*/*"))), 0)
+                for name in ("geodesicd.db", "batches.db"):
+                    (self.folder / name).chmod(0o644)  # as earlier versions made them
+        finally:
+            os.umask(mask)
+
+    def test_a_damaged_database_of_batches_is_set_aside(self):
+        ask = {"query": "all-pairs", "mesh": "a", "vertices": [0, 1]}
+        self.fill()
+        with self.start() as daemon:
+            self.assertEqual(begin(daemon, ask).status, 201)
+        damages = {"its head": lambda path: self.flip(path, 0), "its root page": lambda path: self.flip(path, 101 / path.stat().st_size),
+                   "all of it": lambda path: path.write_bytes(b"x" * 8192)}
+        for number, (what, damage) in enumerate(damages.items()):
+            damage(self.folder / "batches.db")
+            with self.start() as daemon:
+                self.assertEqual(self.events(daemon).count("batches_damaged"), 1, what)
+                self.assertEqual(len(list(self.folder.glob("batches.db.damaged-*"))), number + 1)
+                self.assertEqual(daemon.get("/readyz").json, {"status": "ok"})
+                self.assertEqual(daemon.get("/v1/batches").json["batches"], [])
+                self.assertEqual(wait(daemon, begin(daemon, ask).json["id"])["done"], 2)
+                self.assertEqual(daemon.get("/v1/meshes").status, 200)
+
+    def test_a_database_of_batches_that_cannot_be_opened_shows_in_readyz(self):
+        self.fill()
+        (self.folder / "batches.db").mkdir()
+        with self.start() as daemon:
+            told = daemon.get("/readyz").json
+            self.assertEqual((told["status"], "batches" in told["reason"]), ("read_only", True), told)
+            self.assertEqual(self.events(daemon).count("batches_unavailable"), 1)
+            self.assertEqual(daemon.put("c", SQUARE).status, 201)
+            (self.folder / "batches.db").rmdir()
+            self.assertEqual(daemon.get("/v1/batches").status, 200)
+            self.assertEqual(daemon.get("/readyz").json, {"status": "ok"})
 
     def test_a_damaged_file_ends_one_mesh_only_and_can_be_sent_again(self):
         answers = self.fill()

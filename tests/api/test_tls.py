@@ -1,6 +1,7 @@
 """HTTPS: versions, certificates that are exchanged while the daemon runs, and that the same rules hold as without."""
 import http.client
 import json
+import os
 import pathlib
 import shutil
 import socket
@@ -41,6 +42,34 @@ class Tls(unittest.TestCase):
     def tearDown(self):
         self.assertEqual(self.daemon.stop(), 0)
         self.assertFalse([line for line in self.daemon.log if line["event"] == "not JSON"])
+
+    def test_no_exchange_of_keys_without_forward_secrecy(self):
+        certificate, key = self.folder / "rsa.pem", self.folder / "rsa.key"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+                        "subjectAltName=DNS:localhost", "-keyout", key, "-out", certificate], check=True, capture_output=True)
+        self.install((certificate, key))
+        self.assertEqual(self.daemon.reload()["event"], "reloaded")
+        for ciphers, is_taken in (("ECDHE-RSA-AES128-GCM-SHA256", True), ("AES128-GCM-SHA256:AES256-GCM-SHA384:AES128-SHA:AES256-SHA", False)):
+            context = self.context((certificate, key))
+            context.maximum_version = ssl.TLSVersion.TLSv1_2
+            context.set_ciphers(ciphers)
+            try:
+                with socket.create_connection(("127.0.0.1", self.daemon.port), timeout=PATIENCE_SECONDS) as plain:
+                    context.wrap_socket(plain, server_hostname="localhost").close()
+                self.assertTrue(is_taken, ciphers)
+            except (ssl.SSLError, ConnectionError):
+                self.assertFalse(is_taken, ciphers)
+
+    def test_files_that_are_no_files_stop_nothing(self):
+        for path in (self.certificate, self.key):
+            path.unlink()
+            os.mkfifo(path)
+            told = self.daemon.reload()
+            self.assertEqual(told["event"], "reload_failed")
+            self.assertIn("it is no regular file", told["message"])
+            path.unlink()
+            self.install(self.first)
+        self.assertEqual(self.ask(self.first, "GET", "/livez")[0].status, 200)
 
     def install(self, pair):
         shutil.copy(pair[0], self.certificate)

@@ -1,6 +1,8 @@
 /* The queue of batches over each database: SQLite in memory, and PostgreSQL where GEODESICD_TEST_STORE names one. */
+#include "folder.h"
 #include "support.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 
 #include "server/batch_queue.h"
@@ -206,11 +208,42 @@ static void what_is_cancelled_is_not_begun(void **state)
     assert_int_equal(server_batch_queue_remove(sql, ID_A), SERVER_STORE_DONE);
 }
 
+static void count_aside(void *user, const char *path, const char *name)
+{
+    (void)path;
+    *(uint32_t *)user += strncmp(name, "batches.db.damaged-", 19) == 0;
+}
+
 static void what_is_no_statement_is_refused(void **state)
 {
     struct server_store_sql *sql = sql_of(state);
     assert_true(sql->run(sql, "SELECT FROM nothing AT ALL", NULL, 0, NULL, NULL) != SERVER_STORE_DONE);
     assert_int_equal(sql->run(sql, "SELECT 1", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+}
+
+/* More than SQLite keeps in memory, so that pages are read again. */
+static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **state)
+{
+    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[256];
+    static const char rubbish[1 << 20];
+    (void)state;
+    folder_make(folder);
+    snprintf(path, sizeof path, "%s/batches.db", folder);
+    struct server_store_sql *sql = server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+    assert_non_null(sql);
+    add(sql, ID_A, "", 200000);
+    int file = open(path, O_WRONLY);
+    for (off_t at = sizeof rubbish; at < 6 * (off_t)sizeof rubbish; at += sizeof rubbish)
+        assert_int_equal(pwrite(file, rubbish, sizeof rubbish, at), sizeof rubbish);
+    close(file);
+    assert_int_equal(sql->run(sql, "SELECT sum(item) FROM items", NULL, 0, NULL, NULL), SERVER_STORE_READ_ONLY);
+    add(sql, ID_B, "", 2); /* a new one */
+    assert_int_equal(claim(sql, "x").item, 0);
+    sql->close(sql);
+    uint32_t aside = 0;
+    assert_true(server_disk_each(folder, count_aside, &aside));
+    assert_true(aside >= 1);
+    folder_remove(folder);
 }
 
 #define EACH(test)                                                                                                     \
@@ -225,6 +258,7 @@ int main(void)
                                        EACH(the_first_answer_stays),
                                        EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
                                        EACH(what_is_cancelled_is_not_begun),
-                                       EACH(what_is_no_statement_is_refused)};
+                                       EACH(what_is_no_statement_is_refused),
+                                       cmocka_unit_test(a_database_that_is_damaged_while_it_is_used_is_set_aside)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -336,7 +336,7 @@ static void count_aside(void *user, const char *path, const char *name)
 {
     int *count = user;
     (void)path;
-    *count += strstr(name, SERVER_STORE_ASIDE) && !strstr(name, "-wal") && !strstr(name, "-shm");
+    *count += strstr(name, SERVER_DISK_ASIDE) && !strstr(name, "-wal") && !strstr(name, "-shm");
 }
 
 static void what_was_put_aside_stays(void **state)
