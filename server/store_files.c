@@ -309,34 +309,39 @@ static void clear_copy(const struct server_store_files *files)
     (void)server_disk_each(files->folder, on_left_file, databases);
 }
 
-static bool mark(struct server_store_files *files, char *error, size_t error_size)
+/* The marker is there, durably. Its name says all, so that it is there as soon as it is made. */
+static bool mark(const struct server_store_files *files, const char *path)
 {
-    static const char text[] = "geodesicd --restore or --backup has not finished this copy: run it again\n";
-    char path[SERVER_DISK_PATH], temporary[SERVER_DISK_PATH];
-    server_files_path(files, path, UNFINISHED);
-    server_files_path(files, temporary, UNFINISHED ".new");
-    if (server_disk_exists(path)) return true;
-    (void)unlink(temporary);
-    return server_disk_write(files->folder, path, temporary, text, strlen(text)) == SERVER_DISK_DONE ||
-           refuse_path(path, error, error_size);
+    int file = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    if (file < 0) return false;
+    close(file);
+    return server_disk_sync_file(path) == SERVER_DISK_DONE &&
+           server_disk_sync_folder(files->folder) == SERVER_DISK_DONE;
 }
 
 static bool begin_copy(struct server_store_files *files, char *error, size_t error_size)
 {
-    if (!mark(files, error, error_size)) return false;
     clear_copy(files);
-    return (!make_layout(files) && !sync_layout(files)) || refuse_folder(files->folder, error, error_size);
+    if (!make_layout(files) && !sync_layout(files)) return true;
+    server_files_close(files);
+    return refuse_folder(files->folder, error, error_size);
 }
 
+/* The marker stands before the lock's file, so that an interrupted copy is no empty folder. */
 bool server_files_open_copy(struct server_store_files *files, const char *folder, char *error, size_t error_size)
 {
+    char path[SERVER_DISK_PATH];
     if (!set_folder(files, folder, error, error_size)) return false;
     if (make_folders(folder)) return refuse_folder(folder, error, error_size);
-    if (!take_lock(files, O_RDWR | O_CREAT, error, error_size)) return false;
-    bool is_refused = !server_files_is_unfinished(folder, error, error_size) && has_data(files);
-    if (is_refused) snprintf(error, error_size, "'%s' holds a data folder already: name a new one", folder);
-    if (!is_refused && begin_copy(files, error, error_size)) return true;
-    server_files_close(files);
+    bool is_new = !server_files_is_unfinished(folder, error, error_size);
+    if (is_new && has_data(files)) {
+        snprintf(error, error_size, "'%s' holds a data folder already: name a new one", folder);
+        return false;
+    }
+    server_files_path(files, path, UNFINISHED);
+    if (!mark(files, path)) return refuse_path(path, error, error_size);
+    if (take_lock(files, O_RDWR | O_CREAT, error, error_size)) return begin_copy(files, error, error_size);
+    if (is_new) (void)server_disk_remove(folder, path);
     return false;
 }
 

@@ -46,7 +46,7 @@ def interrupt(arguments, seconds):
 
 def what_starts(folder, whole):
     """How a daemon starts on the folder: refused, empty (nothing was begun), whole, or in part."""
-    if not any(path.name != "lock" for path in folder.glob("*")):
+    if not any(folder.glob("*")):
         return "empty"
     try:
         with Shimmed(folder) as daemon:
