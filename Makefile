@@ -312,7 +312,7 @@ FUZZ_BUILD   := $(BUILD)/fuzz
 FUZZ_SAN     := -fsanitize=address,undefined -fno-sanitize-recover=all
 # Faults: short forms here, the long ones under `make torture`.
 FAULT_TESTS   = "$(BUILD)/gd_alloc --short" "tests/fault/alloc.py --short" tests/fault/scarcity.py tests/fault/kill.py tests/fault/replay.py "tests/fault/disk.py --step 7" \
-                tests/fault/flip.py tests/fault/restore.py "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
+                tests/fault/flip.py tests/fault/restore.py "tests/fault/halfopen.py --short" "tests/fault/overload.py --short" "tests/fault/answers.py --short" \
                 tests/fault/disconnect.py "tests/fault/deadline.py --short --count 300" tests/fault/stuck_log.py "tests/fault/tenants.py --short" tests/fault/soak.py
 
 # In `make test` what reads bytes is fuzzed for 20 seconds each, from a fixed seed; fuzz_surface, which checks laws, replays its corpus.
@@ -331,11 +331,11 @@ $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/re
 SELF := $(MAKE)
 
 # Each promise, with what is measured of it, in one table (tests/fault/table.py). ONLY=WORD: those that have it in their line.
-torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
+torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
 	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
-	    "tests/fault/flip.py --flips 2000" "tests/fault/restore.py --count 100" "tests/fault/overload.py --seconds 20" tests/fault/answers.py "tests/fault/disconnect.py --count 80000 --tls-count 20000" \
+	    "tests/fault/flip.py --flips 2000" "tests/fault/restore.py --count 100" tests/fault/halfopen.py tests/fault/slow_reader.py "tests/fault/overload.py --seconds 20" tests/fault/answers.py "tests/fault/disconnect.py --count 80000 --tls-count 20000" \
 	    "tests/fault/deadline.py --count 8000" "tests/fault/stuck_log.py --requests 200000" tests/fault/tenants.py "tests/fault/soak.py --seconds 4200 --pause 5 --svg $(BUILD)/soak.svg" \
 	    "hostile HTTP, directly and behind HAProxy | 0 accepted | tests/api/run.py test_hostile test_slow_clients test_proxy" \
 	    "hostile JSON | 400 or 413, fast | tests/api/run.py test_malformed" \
@@ -344,6 +344,7 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc ## each promise tested in its 
 	    "a web page does not reach a daemon without keys | 403 | tests/api/run.py test_service" \
 	    "damage is found by the scrub, never served | 0 served | tests/api/run.py test_scrub" \
 	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
+	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/test_sandbox" \
 	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))" \
 	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
 	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \

@@ -1,9 +1,14 @@
 /* Connections: what is known of each while it is open, and when it is cut.
  *
- * The HTTP library closes a connection on which nothing has come or gone for a while in the middle of a body or of a long answer; a
- * client that sends or takes a byte now and then keeps it for ever, and the library's timer takes a dozen looks at the clock a request.
- * So a request's headers, an answer and the idle time between requests have absolute deadlines, after which the connection is cut by a
- * thread of its own (bodies: body.h). */
+ * The HTTP library closes a connection on which nothing has come or gone for a while in the middle of a body; a client that sends a byte now
+ * and then keeps it for ever, and the library's timer takes a dozen looks at the clock a request. So a request's head, an answer and the idle
+ * time between requests have absolute deadlines, after which a thread of its own shuts the socket down (bodies: body.h).
+ *
+ * An answer has 30 s, and beyond it as long as it takes at 16 KiB/s. Meanwhile the client has to take something: every 30 s the thread asks the
+ * kernel how many bytes the client has acknowledged. What the library writes is no measure of that, since the kernel buffers megabytes.
+ *
+ * A part of the connections is kept free, so that a new client finds a place. When fewer are free, connections that wait for their clients are cut, of the
+ * addresses that have most of them: heads that are overdue for a second, the oldest first; then those that are idle for longest; then other heads. */
 #ifndef SERVER_CONNECTIONS_H
 #define SERVER_CONNECTIONS_H
 
@@ -11,6 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/socket.h>
 
 #include "server/grammar.h"
 
@@ -35,19 +41,25 @@ struct server_connections_statistics {
 /* Starts its thread. NULL without memory or thread. */
 struct server_connections *server_connections_create(void);
 
+/* How many there can be at a time; to be called before the first is opened. 0, as at first: any number. */
+void server_connections_limit(struct server_connections *connections, uint32_t most);
+
 /* When no connection is open. NULL is harmless. */
 void server_connections_destroy(struct server_connections *connections);
 
 /* Cuts those whose deadline is before that time. What the thread does every second; thread-safe. */
 void server_connections_cut(struct server_connections *connections, uint64_t now_ns);
 
+/* Cuts heads and idle connections until enough places are free. What the thread does when a connection is opened while they are not; thread-safe. */
+void server_connections_relieve(struct server_connections *connections, uint64_t now_ns);
+
 /* Has the threads of connections look again whose clients have ended them: the library overlooks an end that comes together with the last bytes, and
  * would wait for its timeout. Done every second as well; thread-safe. */
 void server_connections_remind(struct server_connections *connections);
 
-/* A new connection, whose socket is watched from now on (wire.h). NULL without memory. */
+/* A new connection, whose socket is watched from now on (wire.h). `client`: its address; NULL: none. NULL without memory. */
 struct server_connection *server_connections_open(struct server_connections *connections, int descriptor,
-                                                  bool is_encrypted);
+                                                  const struct sockaddr *client, bool is_encrypted);
 
 /* To be called before the socket is closed. */
 void server_connections_close(struct server_connection *connection);

@@ -43,7 +43,7 @@
 #include "server/traffic.h"
 
 #define CONNECTION_MEMORY (16 * 1024) /* headers, and the buffer that bodies pass through; cleared at each request */
-#define SILENCE_SECONDS   30u         /* without a byte, in the middle of a body or of a long answer */
+#define SILENCE_SECONDS   30u /* without a byte, in the middle of a body; on a unix socket of a long answer, too */
 #define LONG_ANSWER                                                                                                    \
     65536 /* bytes: shorter ones are in the kernel's buffers at once, and need no timer of the library's */
 #define SPARE_DESCRIPTORS 64u
@@ -100,6 +100,12 @@ static int socket_of(struct MHD_Connection *connection)
     return info ? info->connect_fd : -1;
 }
 
+static const struct sockaddr *peer_of(struct MHD_Connection *connection)
+{
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    return info ? info->client_addr : NULL;
+}
+
 /* A client that has closed its side has gone: nobody who waits for an answer does that. */
 static bool has_hung_up(const struct call *call)
 {
@@ -130,7 +136,8 @@ static struct line *open_line(const struct server_http *http, struct MHD_Connect
     bool is_encrypted = http->server->tls != NULL;
     struct line *line = malloc(sizeof *line);
     if (!line) return NULL;
-    line->wire = server_connections_open(http->server->connections, socket_of(connection), is_encrypted);
+    line->wire =
+        server_connections_open(http->server->connections, socket_of(connection), peer_of(connection), is_encrypted);
     if (line->wire) return line;
     free(line);
     return NULL;
@@ -180,8 +187,8 @@ static size_t on_escapes(void *user, struct MHD_Connection *connection, char *te
     return strlen(text);
 }
 
-/* The library's timer for silence, which it sets anew with every byte, is on only where it takes more than a moment to read or to
- * write something; idle connections are cut by their deadline (connections.h). */
+/* The library's timer for silence, which it sets anew with every byte, is on only in bodies and, on unix sockets, in long answers: whether a client
+ * takes one is looked at elsewhere (connections.h), since the library writes nothing for as long as the kernel's buffers are full. */
 static void watch_silence(struct call *call, bool is_on)
 {
     if (call->is_watched == is_on) return;
@@ -327,11 +334,10 @@ static struct MHD_Response *make_response(struct call *call)
     return NULL;
 }
 
-static const struct sockaddr *peer_of(const struct call *call)
+/* Unix sockets do not tell what a client has taken; their buffers are small. */
+static bool is_local(const struct call *call)
 {
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(call->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-    return info ? info->client_addr : NULL;
+    return call->exchange->server->config.listen.socket.ss_family == AF_UNIX;
 }
 
 static enum MHD_Result answer(struct call *call)
@@ -344,9 +350,9 @@ static enum MHD_Result answer(struct call *call)
     if (!response) return MHD_NO;
     server_metrics_count(exchange->server->metrics, exchange->match.route, reply->status, nanoseconds);
     server_metrics_count_problem(exchange->server->metrics, reply->problem);
-    server_request_log(exchange, peer_of(call), nanoseconds);
+    server_request_log(exchange, peer_of(call->connection), nanoseconds);
     server_connection_answer(call->wire, reply->size, reply->stream != NULL, now);
-    watch_silence(call, reply->stream || reply->size > LONG_ANSWER);
+    watch_silence(call, is_local(call) && (reply->stream || reply->size > LONG_ANSWER));
     enum MHD_Result result = MHD_queue_response(call->connection, reply->status, response);
     MHD_destroy_response(response);
     return result;
@@ -424,6 +430,13 @@ static unsigned connection_limit(const struct server_config *config)
     return most;
 }
 
+/* However few connections there can be, one address leaves a quarter of them to others; 0: no limit. */
+static unsigned address_limit(const struct server_config *config, unsigned most)
+{
+    unsigned wanted = (unsigned)config->max_address_connections, all_but_some = most - most / 4;
+    return wanted < all_but_some ? wanted : all_but_some;
+}
+
 static void on_library_log(void *user, const char *format, va_list arguments)
 {
     char sentence[512];
@@ -462,16 +475,18 @@ static struct MHD_Daemon *start_library(struct server_http *http)
         {MHD_OPTION_END, 0, NULL},
     };
     const struct MHD_OptionItem plain[] = {{MHD_OPTION_END, 0, NULL}};
+    unsigned most = connection_limit(config);
+    server_connections_limit(http->server->connections, most);
     unsigned flags = MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ITC | MHD_USE_ERROR_LOG;
     if (http->server->tls) flags |= MHD_USE_TLS;
-    return MHD_start_daemon(
-        flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
-        MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE, http->threads > 1 ? http->threads : 0u,
-        MHD_OPTION_CONNECTION_LIMIT, connection_limit(config), MHD_OPTION_PER_IP_CONNECTION_LIMIT,
-        (unsigned)config->max_address_connections, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
-        MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed, http,
-        MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
+    return MHD_start_daemon(flags, 0, NULL, NULL, on_request, http, MHD_OPTION_EXTERNAL_LOGGER, on_library_log, NULL,
+                            MHD_OPTION_LISTEN_SOCKET, http->listening, MHD_OPTION_THREAD_POOL_SIZE,
+                            http->threads > 1 ? http->threads : 0u, MHD_OPTION_CONNECTION_LIMIT, most,
+                            MHD_OPTION_PER_IP_CONNECTION_LIMIT, address_limit(config, most),
+                            MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY, MHD_OPTION_NOTIFY_CONNECTION,
+                            on_connection, http, MHD_OPTION_URI_LOG_CALLBACK, on_target, http,
+                            MHD_OPTION_UNESCAPE_CALLBACK, on_escapes, NULL, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
+                            http, MHD_OPTION_ARRAY, http->server->tls ? encrypted : plain, MHD_OPTION_END);
 }
 
 struct server_http *server_http_start(struct server *server, int listening, uint32_t threads, char *error,

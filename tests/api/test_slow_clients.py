@@ -66,6 +66,15 @@ class Slow(TestCase):
             connection.close()
 
 
+def is_closed(connection):
+    try:
+        return connection.recv(1, socket.MSG_PEEK) == b""
+    except BlockingIOError:
+        return False
+    except ConnectionError:
+        return True
+
+
 class Crowds(unittest.TestCase):
     def test_connections_of_one_address(self):
         with Daemon("--max-address-connections", "10") as daemon:
@@ -93,12 +102,11 @@ class Crowds(unittest.TestCase):
                     self.assertLess(time.monotonic(), until)
 
     def test_connections_of_all(self):
-        """Who comes when all places are taken waits until one is free."""
-        with Daemon("--max-connections", "4", "--http-threads", "1") as daemon:
+        """Who comes when all places are taken by clients that are served waits until one is free."""
+        with Daemon("--max-connections", "4", "--max-address-connections", "0", "--http-threads", "1") as daemon:
             crowd = [socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS) for _ in range(4)]
             for connection in crowd:
-                connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
-                self.assertTrue(connection.recv(4096).startswith(b"HTTP/1.1 200 "))
+                connection.sendall(PUT + b"Content-Length: 60000\r\n\r\nv")
             with socket.create_connection(("127.0.0.1", daemon.port), timeout=1) as waiting:
                 waiting.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
                 with self.assertRaises(TimeoutError):
@@ -106,6 +114,20 @@ class Crowds(unittest.TestCase):
                 crowd.pop().close()
                 waiting.settimeout(PATIENCE_SECONDS)
                 self.assertTrue(waiting.recv(4096).startswith(b"HTTP/1.1 200 "))
+            for connection in crowd:
+                connection.close()
+
+    def test_one_address_leaves_places_to_others(self):
+        with Daemon("--max-connections", "40", "--http-threads", "1") as daemon:
+            crowd = []
+            for _ in range(40):
+                crowd.append(socket.create_connection(("127.0.0.1", daemon.port), timeout=PATIENCE_SECONDS))
+                crowd[-1].sendall(PUT + b"Content-Length: 60000\r\n\r\nv")
+                crowd[-1].setblocking(False)
+            wait_until(lambda: sum(1 for connection in crowd if is_closed(connection)) >= 10)
+            with socket.create_connection(("127.0.0.1", daemon.port), source_address=("127.0.0.2", 0), timeout=PATIENCE_SECONDS) as other:
+                other.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+                self.assertTrue(other.recv(4096).startswith(b"HTTP/1.1 200 "))
             for connection in crowd:
                 connection.close()
 
