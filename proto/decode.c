@@ -8,27 +8,18 @@
 
 /* --- the document ------------------------------------------------------------------------------------------------- */
 
-/* Offset of the first bracket that nests too deep, or `size`. Whether the brackets match is the parser's concern. */
-static size_t first_too_deep(const char *text, size_t size)
+static void refuse_text(const struct proto_parse_end *end, struct proto_problem *problem)
 {
-    bool in_string = false;
-    long depth = 0;
-    for (size_t i = 0; i < size; i++) {
-        char character = text[i];
-        if (in_string) {
-            if (character == '\\')
-                i++;
-            else if (character == '"')
-                in_string = false;
-        } else if (character == '"') {
-            in_string = true;
-        } else if (character == '[' || character == '{') {
-            if (++depth > PROTO_DECODE_DEPTH) return i;
-        } else if (character == ']' || character == '}') {
-            depth--;
-        }
+    char line[24] = ""; /* the first one goes without saying: it may be a line of a batch */
+    if (end->deep_at) {
+        proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu", PROTO_DECODE_DEPTH,
+                             end->deep_at - 1);
+        proto_problem_limit(problem, PROTO_DECODE_DEPTH);
+        return;
     }
-    return size;
+    if (end->error.line > 1) snprintf(line, sizeof line, "line %d, ", end->error.line);
+    proto_problem_refuse(problem, "", "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
+                         end->error.column, end->error.position, end->error.text);
 }
 
 /* Bytes of jansson's for an empty object and an empty array, a value in one and where it is decoded
@@ -48,38 +39,29 @@ size_t proto_decode_cost(const void *bytes, size_t size)
     return cost;
 }
 
-static json_t *parse(const char *text, size_t size, struct proto_problem *problem)
+json_t *proto_decode_document_within(const void *bytes, size_t size, const struct gd_control *control,
+                                     struct proto_problem *problem)
 {
-    json_error_t error;
-    bool is_starved;
-    json_t *document = proto_parse(text, size, &error, &is_starved);
+    struct proto_parse_end end;
+    if (size == 0) {
+        proto_problem_refuse(problem, "", "the body is empty; send a JSON object");
+        return NULL;
+    }
+    json_t *document = proto_parse(bytes, size, control, &end);
     if (document) return document;
-    if (is_starved) {
+    if (end.status == GD_NO_MEMORY)
         proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
                           "there is no memory for the request; try again later");
-    } else {
-        char line[24] = ""; /* the first one goes without saying: it may be a line of a batch */
-        if (error.line > 1) snprintf(line, sizeof line, "line %d, ", error.line);
-        proto_problem_refuse(problem, "", "the body is not JSON that can be taken: %scolumn %d, byte %d: %s", line,
-                             error.column, error.position, error.text);
-    }
+    else if (end.status)
+        proto_problem_from_status(problem, end.status, NULL);
+    else
+        refuse_text(&end, problem);
     return NULL;
 }
 
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem)
 {
-    if (size == 0) {
-        proto_problem_refuse(problem, "", "the body is empty; send a JSON object");
-        return NULL;
-    }
-    size_t deep = first_too_deep(bytes, size);
-    if (deep < size) {
-        proto_problem_refuse(problem, "", "the JSON is nested deeper than %d levels at byte %zu", PROTO_DECODE_DEPTH,
-                             deep);
-        proto_problem_limit(problem, PROTO_DECODE_DEPTH);
-        return NULL;
-    }
-    return parse(bytes, size, problem);
+    return proto_decode_document_within(bytes, size, NULL, problem);
 }
 
 /* --- typed access ------------------------------------------------------------------------------------------------- */

@@ -12,9 +12,10 @@
 
 #include <jansson.h>
 
+#include "proto/parse.h"
 #include "proto/problem.h"
 
-#define PROTO_DECODE_DEPTH 32 /* deepest nesting of arrays and objects */
+#define PROTO_DECODE_DEPTH PROTO_PARSE_DEPTH
 
 /* Upper bound of the memory that a document takes which is parsed from this text: up to a hundred
  * times its size. O(size). */
@@ -25,6 +26,10 @@ size_t proto_decode_cost(const void *bytes, size_t size);
  * NULL with a problem that names line (if there are
  * several), column and byte. Memory: about 60 bytes a number. */
 json_t *proto_decode_document(const void *bytes, size_t size, struct proto_problem *problem);
+
+/* The same, until a deadline or a cancel. */
+json_t *proto_decode_document_within(const void *bytes, size_t size, const struct gd_control *control,
+                                     struct proto_problem *problem);
 
 /* `value` is an object and has no members but `members` (NULL-terminated). */
 bool proto_decode_object(const json_t *value, const char *place, const char *const *members,

@@ -249,7 +249,7 @@ static bool read_nurbs(const json_t *document, const struct proto_nurbs_options 
 bool proto_nurbs_read(const void *bytes, size_t size, const struct proto_nurbs_options *options,
                       struct gd_parametric **out, struct proto_nurbs_form *form, struct proto_problem *problem)
 {
-    json_t *document = proto_decode_document(bytes, size, problem);
+    json_t *document = proto_decode_document_within(bytes, size, options->control, problem);
     if (!document) return false;
     bool ok = json_object_get(document, "parametric") ? read_parametric(document, options, out, form, problem)
                                                       : read_nurbs(document, options, out, form, problem);

@@ -15,8 +15,9 @@
 extern const char *const proto_nurbs_conventions[];
 
 struct proto_nurbs_options {
-    bool has_convention; /* of a file that names none */
-    unsigned convention; /* enum gd_nurbs_convention */
+    bool has_convention;              /* of a file that names none */
+    unsigned convention;              /* enum gd_nurbs_convention */
+    const struct gd_control *control; /* of the reading, borrowed for it; NULL: none */
 };
 
 /* Reads convention, and format, which can only be json, and refuses any other parameter. */

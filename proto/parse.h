@@ -4,13 +4,22 @@
 #ifndef PROTO_PARSE_H
 #define PROTO_PARSE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #include <jansson.h>
 
-/* The document, owned by the caller; no member twice, all numbers are json_real. NULL: `*error` says what is wrong with the text, or `*is_starved`
- * that there was no memory. */
-json_t *proto_parse(const char *text, size_t size, json_error_t *error, bool *is_starved);
+#include "gd/control.h"
+
+#define PROTO_PARSE_DEPTH 32 /* deepest nesting of arrays and objects */
+
+/* Why there is no document. */
+struct proto_parse_end {
+    enum gd_status status; /* GD_NO_MEMORY, GD_DEADLINE, GD_CANCELLED; GD_OK: the text is at fault */
+    size_t deep_at;        /* offset of the bracket that nests too deep, and 1; 0: none does */
+    json_error_t error;    /* else */
+};
+
+/* The document, owned by the caller; no member twice, all numbers are json_real. `control` may be NULL. */
+json_t *proto_parse(const char *text, size_t size, const struct gd_control *control, struct proto_parse_end *end);
 
 #endif

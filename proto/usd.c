@@ -299,7 +299,7 @@ bool proto_usd_read(const void *bytes, size_t size, const struct gd_read_limits 
                     struct proto_problem *problem)
 {
     struct proto_usd usd = {0};
-    json_t *document = proto_decode_document(bytes, size, problem);
+    json_t *document = proto_decode_document_within(bytes, size, limits ? limits->control : NULL, problem);
     if (!document) return false;
     bool ok = read_document(document, limits, &usd, problem);
     json_decref(document);

@@ -55,17 +55,27 @@ struct making {
 /* The status that goes with a problem of reading. */
 static enum gd_status status_of(const struct proto_problem *problem)
 {
-    return problem->code == PROTO_PROBLEM_INSUFFICIENT_MEMORY ? GD_NO_MEMORY : GD_SYNTAX;
+    switch (problem->code) {
+    case PROTO_PROBLEM_INSUFFICIENT_MEMORY:
+        return GD_NO_MEMORY;
+    case PROTO_PROBLEM_DEADLINE_EXCEEDED:
+        return GD_DEADLINE;
+    default:
+        return GD_SYNTAX;
+    }
 }
 
 static enum gd_status read_surface(struct making *making, const void *bytes, struct proto_problem *problem)
 {
     const struct server_builder *builder = making->builder;
-    const struct proto_nurbs_options options = options_of(making->record);
+    struct server_build_part part = {builder, 0, READ_SHARE};
+    const struct gd_control control = server_build_control(&part, 0);
+    struct proto_nurbs_options options = options_of(making->record);
     struct server_nurbs *nurbs = making->nurbs;
     size_t size = (size_t)making->record->size, cost = proto_decode_cost(bytes, size);
     enum gd_status status = server_build_take(builder, making->record, cost, problem);
     if (status) return status;
+    options.control = &control;
     bool ok = proto_nurbs_read(bytes, size, &options, &nurbs->surface, &nurbs->form, problem);
     making->surface_bytes = ok ? gd_parametric_memsize(nurbs->surface) : 0;
     server_budget_adjust(builder->budget, SERVER_BUDGET_FLIGHT, cost, making->surface_bytes);

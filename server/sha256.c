@@ -4,7 +4,8 @@
 #include <gnutls/crypto.h>
 #include <stdlib.h>
 
-#define DIGEST 32
+#define DIGEST      32
+#define PIECE_BYTES ((size_t)1 << 20) /* between two looks at the control: some milliseconds */
 
 static void print(const unsigned char digest[DIGEST], char hex[SERVER_SHA256_HEX])
 {
@@ -51,4 +52,18 @@ void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX])
     unsigned char digest[DIGEST];
     gnutls_hash_deinit(state_of(sum), digest);
     print(digest, hex);
+}
+
+enum gd_status server_sha256_within(const void *bytes, size_t size, const struct gd_control *control,
+                                    char hex[SERVER_SHA256_HEX])
+{
+    struct server_sha256 *sum = server_sha256_begin();
+    enum gd_status status = sum ? GD_OK : GD_NO_MEMORY;
+    for (size_t at = 0; !status && at < size; at += PIECE_BYTES) {
+        status = gd_control_check(control, 0);
+        if (!status)
+            server_sha256_add(sum, (const char *)bytes + at, size - at < PIECE_BYTES ? size - at : PIECE_BYTES);
+    }
+    if (sum) server_sha256_end(sum, hex);
+    return status;
 }

@@ -4,10 +4,16 @@
 
 #include <stddef.h>
 
+#include "gd/control.h"
+
 #define SERVER_SHA256_HEX 65 /* with the NUL */
 
 /* Lower-case hexadecimal. */
 void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
+
+/* The same, until a deadline or a cancel. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size, const struct gd_control *control,
+                                                char hex[SERVER_SHA256_HEX]);
 
 /* The same of pieces, one after the other. NULL without memory. */
 struct server_sha256;

@@ -163,12 +163,13 @@ static enum gd_status read_tags(const void *bytes, size_t size, const struct gd_
 {
     struct gd__scan scan = gd__scan_begin(bytes, size, detail);
     scan.comments = scan.continued = true;
+    scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;
     enum gd_status status = GD_OK;
     for (uint32_t line = 0; !status && scan.at < scan.end; gd__scan_skip_line(&scan), line++) {
         if (line % 4096 == 0) status = gd_control_check(limits ? limits->control : NULL, 1);
         if (!status && gd__word_is(gd__scan_word(&scan), "t")) status = read_tag(&scan, mesh);
     }
-    return status;
+    return gd__scan_end(&scan, status);
 }
 
 enum gd_status gd_read_control_mesh(const void *bytes, size_t size, enum gd_format format,

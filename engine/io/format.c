@@ -61,10 +61,17 @@ static const struct {
     {GD_FORMAT_OBJ, gd__obj_recognise},
 };
 
+#define TEXT_BEGINNING                                                                                                 \
+    ((size_t)1 << 20) /* bytes, in which a text says what it is: blanks and comments may come before */
+
 enum gd_format gd_format_recognise(const void *bytes, size_t size)
 {
-    for (size_t i = 0; size > 0 && i < sizeof signatures / sizeof signatures[0]; i++) {
-        if (signatures[i].recognise(gd__scan_begin(bytes, size, NULL))) return signatures[i].format;
+    struct gd__scan whole = gd__scan_begin(bytes, size, NULL), beginning = whole;
+    if (size > TEXT_BEGINNING) beginning.end = beginning.begin + TEXT_BEGINNING;
+    if (size == 0) return GD_FORMAT_ANY;
+    if (gd__stl_has_binary_size(&whole) && !gd__glb_recognise(beginning)) return GD_FORMAT_STL;
+    for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++) {
+        if (signatures[i].recognise(beginning)) return signatures[i].format;
     }
     return GD_FORMAT_ANY;
 }

@@ -386,7 +386,8 @@ static size_t cost_of(const struct gd__gltf_sum *sum, const struct gd_read_limit
 
 size_t gd__gltf_cost(const void *bytes, size_t size, bool is_glb, const struct gd_read_limits *limits)
 {
-    const struct gd__scan scan = gd__scan_begin(bytes, size, NULL);
+    struct gd__scan scan = gd__scan_begin(bytes, size, NULL);
+    scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;
     struct gd__gltf gltf;
     struct gd__gltf_sum sum = {0};
     enum gd_status status = open_file(&scan, limits ? limits->control : NULL, is_glb, &gltf);

@@ -4,7 +4,11 @@
 
 void gd__json_skip_space(struct gd__scan *scan)
 {
-    while (scan->at < scan->end && (*scan->at == ' ' || *scan->at == '\t' || gd__is_newline(*scan->at))) scan->at++;
+    for (;;) {
+        const char *stop = gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
+        while (scan->at < stop && (*scan->at == ' ' || *scan->at == '\t' || gd__is_newline(*scan->at))) scan->at++;
+        if (scan->at < stop || stop == scan->end || gd__scan_is_over(scan)) return;
+    }
 }
 
 bool gd__json_accept(struct gd__scan *scan, char c)

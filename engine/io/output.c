@@ -7,29 +7,48 @@
 #include "gd/number.h"
 
 #define SMALLEST_CAPACITY 1024
+#define LOOK_BYTES        ((size_t)1 << 18) /* between two looks at the control */
 
-static void fail(struct gd__output *output)
+static void fail(struct gd__output *output, enum gd_status status)
 {
     free(output->bytes);
-    *output = (struct gd__output){.failed = true};
+    *output = (struct gd__output){.failed = true, .status = status};
 }
 
-/* Where `size` more bytes may be put, NULL when there is no memory for them. */
-static char *room_for(struct gd__output *output, size_t size)
+static size_t limit_of(const struct gd__output *output, size_t size)
 {
-    if (output->failed) return NULL;
-    if (size <= output->capacity - output->size) return output->bytes + output->size;
+    size_t step = size > LOOK_BYTES ? size : LOOK_BYTES;
+    return output->control && output->capacity - output->size > step ? output->size + step : output->capacity;
+}
+
+static bool grow(struct gd__output *output, size_t size)
+{
     size_t capacity =
         output->capacity < SMALLEST_CAPACITY ? SMALLEST_CAPACITY : output->capacity + output->capacity / 2;
     if (capacity - output->size < size) capacity = output->size + size;
     char *bytes = realloc(output->bytes, capacity);
     if (!bytes) {
-        fail(output);
-        return NULL;
+        fail(output, GD_OK);
+        return false;
     }
     output->bytes = bytes;
     output->capacity = capacity;
-    return bytes + output->size;
+    return true;
+}
+
+/* Where `size` more bytes may be put, NULL when there is no memory for them, or it is to end. */
+static char *room_for(struct gd__output *output, size_t size)
+{
+    if (output->failed) return NULL;
+    if (size <= output->limit - output->size) return output->bytes + output->size;
+    enum gd_status status = gd_control_check(output->control, 0);
+    if (status) {
+        fail(output, status);
+        return NULL;
+    }
+    if (size > output->capacity - output->size && !grow(output, size)) return NULL;
+    output->limit = limit_of(output, size);
+    return output->bytes + output->size;
 }
 
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size)

@@ -1,4 +1,4 @@
-/* Output: bytes being written. Grows by half; once memory is out it holds nothing, takes nothing and says so at the end. */
+/* Output: bytes being written. Grows by half; once memory is out, or the control ends it, it holds nothing, takes nothing and says so at the end. */
 #ifndef GD_IO_OUTPUT_H
 #define GD_IO_OUTPUT_H
 
@@ -6,10 +6,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/control.h"
+
 struct gd__output {
     char *bytes;
-    size_t size, capacity;
+    size_t size, capacity, limit;     /* limit: up to which it is written without a look at the control; <= capacity */
+    const struct gd_control *control; /* NULL: none */
     bool failed;
+    enum gd_status status; /* why, GD_OK: out of memory */
 };
 
 void gd__output_bytes(struct gd__output *output, const void *bytes, size_t size);

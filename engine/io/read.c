@@ -26,8 +26,9 @@ enum gd_status gd_read_polygons(const void *bytes, size_t size, enum gd_format f
                        "the bytes are in none of the formats OBJ, PLY, STL, OFF, JSON and glTF");
 
     struct gd__scan scan = gd__scan_begin(bytes, size, detail);
+    scan.deadline_ns = limits && limits->control ? limits->control->deadline_ns : 0;
     struct gd__builder builder = gd__builder_begin(&scan, limits);
-    enum gd_status status = read(&scan, &builder);
+    enum gd_status status = gd__scan_end(&scan, read(&scan, &builder));
     if (status == GD_OK) status = gd__builder_finish(&builder, out);
     gd__builder_free(&builder);
     return status;

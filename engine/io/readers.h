@@ -5,6 +5,9 @@
 #include "io/builder.h"
 #include "io/scan.h"
 
+/* By the size of the input, of which this is the whole. */
+bool gd__stl_has_binary_size(const struct gd__scan *scan);
+
 /* gd__obj_recognise: whether the bytes, from the cursor on, look like the format. Reads leading space and comments and what follows them.
  * gd__obj_read: adds the whole input to the builder, which borrows the same scan. All errors of gd_read_polygons. */
 #define GD__READER(NAME, name, media)                                                                                  \

@@ -18,11 +18,22 @@ struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail 
 
 static uint64_t line_of(const struct gd__scan *scan, const char *at)
 {
-    uint64_t line = 1;
-    for (const char *c = scan->begin; c < at; c++) {
-        if (*c == '\n' || (*c == '\r' && (c + 1 == scan->end || c[1] != '\n'))) line++;
-    }
-    return line;
+    uint64_t ends = 0;
+    const char *last = at > scan->begin && at == scan->end ? at - 1 : at; /* has no byte behind it */
+    for (const char *c = scan->begin; c < last; c++) ends += (*c == '\n') | ((*c == '\r') & (c[1] != '\n'));
+    return 1 + ends + (last < at && gd__is_newline(*last));
+}
+
+bool gd__scan_is_over(struct gd__scan *scan)
+{
+    if (!scan->deadline_ns || gd_now_ns() < scan->deadline_ns) return false;
+    scan->at = scan->end;
+    return true;
+}
+
+enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status)
+{
+    return scan->deadline_ns && gd_now_ns() >= scan->deadline_ns ? GD_DEADLINE : status;
 }
 
 enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum gd_status status, const char *format,
@@ -77,10 +88,31 @@ static bool at_joint(const struct gd__scan *scan)
     return scan->continued && gd__scan_left(scan) > 1 && *scan->at == '\\' && gd__is_newline(scan->at[1]);
 }
 
+/* Past characters of a kind. */
+static inline void skip_run(struct gd__scan *scan, bool (*is_of_kind)(char c))
+{
+    for (;;) {
+        const char *stop = gd__scan_left(scan) < GD__SCAN_LOOK ? scan->end : scan->at + GD__SCAN_LOOK;
+        while (scan->at < stop && is_of_kind(*scan->at)) scan->at++;
+        if (scan->at < stop || stop == scan->end || gd__scan_is_over(scan)) return;
+    }
+}
+
+/* For each byte that is passed: looks at the deadline now and then. */
+static inline bool is_to_end(struct gd__scan *scan)
+{
+    return ((uintptr_t)scan->at & (GD__SCAN_LOOK - 1)) == 0 && gd__scan_is_over(scan);
+}
+
+static bool is_space(char c)
+{
+    return gd__is_blank(c) || gd__is_newline(c);
+}
+
 void gd__scan_skip_blanks(struct gd__scan *scan)
 {
     for (;;) {
-        while (scan->at < scan->end && gd__is_blank(*scan->at)) scan->at++;
+        skip_run(scan, gd__is_blank);
         if (!at_joint(scan)) return;
         scan->at++;
         skip_newline(scan);
@@ -92,23 +124,20 @@ void gd__scan_skip_line(struct gd__scan *scan)
     bool joined = true;
     while (joined) {
         const char *line = scan->at;
-        while (!gd__scan_at_line_end(scan)) scan->at++;
+        while (!gd__scan_at_line_end(scan) && !is_to_end(scan)) scan->at++;
         bool commented = scan->at < scan->end && !gd__is_newline(*scan->at);
         joined = scan->continued && !commented && scan->at > line && scan->at[-1] == '\\';
-        while (scan->at < scan->end && !gd__is_newline(*scan->at)) scan->at++;
+        while (scan->at < scan->end && !gd__is_newline(*scan->at) && !is_to_end(scan)) scan->at++;
         skip_newline(scan);
     }
 }
 
 void gd__scan_skip_space(struct gd__scan *scan)
 {
-    while (scan->at < scan->end) {
-        if (gd__is_blank(*scan->at) || gd__is_newline(*scan->at))
-            scan->at++;
-        else if (scan->comments && *scan->at == '#')
-            gd__scan_skip_line(scan);
-        else
-            return;
+    for (;;) {
+        skip_run(scan, is_space);
+        if (scan->at == scan->end || !scan->comments || *scan->at != '#') return;
+        gd__scan_skip_line(scan);
     }
 }
 
@@ -116,7 +145,7 @@ struct gd__word gd__scan_word(struct gd__scan *scan)
 {
     gd__scan_skip_blanks(scan);
     const char *begin = scan->at;
-    while (!gd__scan_at_line_end(scan) && !gd__is_blank(*scan->at) && !at_joint(scan)) scan->at++;
+    while (!gd__scan_at_line_end(scan) && !gd__is_blank(*scan->at) && !at_joint(scan) && !is_to_end(scan)) scan->at++;
     return (struct gd__word){begin, (size_t)(scan->at - begin)};
 }
 

@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "gd/control.h"
 #include "gd/status.h"
 
 struct gd__scan {
@@ -17,6 +18,7 @@ struct gd__scan {
     bool by_byte;             /* errors name bytes, not lines: binary data, and JSON, which is often one long line */
     bool comments;            /* '#' begins a comment that runs to the end of its line */
     bool continued;           /* a backslash at the end of a line joins the next one to it */
+    uint64_t deadline_ns;     /* of the reading, as a gd_control's: looked at where much is skipped; 0: none */
 };
 
 /* A word of the input, not NUL-terminated. */
@@ -41,6 +43,14 @@ enum gd_status gd__scan_fail(const struct gd__scan *scan, const char *at, enum g
 
 /* GD_TRUNCATED at the end of the input, GD_SYNTAX elsewhere: "found 'x' where <expected> should be". */
 enum gd_status gd__scan_unexpected(const struct gd__scan *scan, const char *expected);
+
+#define GD__SCAN_LOOK 65536 /* bytes that are skipped between two looks at the deadline */
+
+/* When the deadline has passed, goes to the end of the input and returns true. A reader that may have skipped something ends by gd__scan_end. */
+bool gd__scan_is_over(struct gd__scan *scan);
+
+/* GD_DEADLINE when the deadline has passed, since then the end that was read may not have been the input's; else `status`. */
+enum gd_status gd__scan_end(const struct gd__scan *scan, enum gd_status status);
 
 static inline size_t gd__scan_left(const struct gd__scan *scan)
 {

@@ -31,7 +31,7 @@ static uint32_t declared_triangles(const struct gd__scan *scan)
     return gd__load_u32(scan->begin + HEADER_SIZE, false);
 }
 
-static bool has_binary_size(const struct gd__scan *scan)
+bool gd__stl_has_binary_size(const struct gd__scan *scan)
 {
     return size_of(scan) >= PREAMBLE_SIZE &&
            size_of(scan) == PREAMBLE_SIZE + (uint64_t)TRIANGLE_SIZE * declared_triangles(scan);
@@ -46,12 +46,12 @@ static bool begins_solid(struct gd__scan scan)
 static bool is_text(const struct gd__scan *scan)
 {
     size_t head = size_of(scan) < PREAMBLE_SIZE ? size_of(scan) : PREAMBLE_SIZE;
-    return !has_binary_size(scan) && begins_solid(*scan) && !memchr(scan->begin, '\0', head);
+    return !gd__stl_has_binary_size(scan) && begins_solid(*scan) && !memchr(scan->begin, '\0', head);
 }
 
 bool gd__stl_recognise(struct gd__scan scan)
 {
-    return has_binary_size(&scan) || begins_solid(scan);
+    return gd__stl_has_binary_size(&scan) || begins_solid(scan);
 }
 
 static enum gd_status add_corner(struct stl *stl, const double xyz[3], const char *place)

@@ -42,12 +42,12 @@ static void write_corners(struct gd__output *output, const struct gd_polygons *p
 
 void gd__write_obj(struct gd__output *output, const struct gd_polygons *polygons)
 {
-    for (uint32_t i = 0; i < polygons->position_count; i++) {
+    for (uint32_t i = 0; i < polygons->position_count && !output->failed; i++) {
         gd__output_text(output, "v ");
         gd__write_xyz(output, polygons->positions[i], " ");
         gd__output_text(output, "\n");
     }
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         gd__output_text(output, "f ");
         write_corners(output, polygons, i, 1, " ");
         gd__output_text(output, "\n");
@@ -67,11 +67,11 @@ static enum gd_status write_off(struct gd__output *output, const struct gd_polyg
     gd__output_text(output, " ");
     gd__output_integer(output, polygons->polygon_count);
     gd__output_text(output, " 0\n");
-    for (uint32_t i = 0; i < polygons->position_count; i++) {
+    for (uint32_t i = 0; i < polygons->position_count && !output->failed; i++) {
         gd__write_xyz(output, polygons->positions[i], " ");
         gd__output_text(output, "\n");
     }
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         gd__output_integer(output, size_of_polygon(polygons, i));
         gd__output_text(output, " ");
         write_corners(output, polygons, i, 0, " ");
@@ -83,13 +83,13 @@ static enum gd_status write_off(struct gd__output *output, const struct gd_polyg
 static enum gd_status write_json(struct gd__output *output, const struct gd_polygons *polygons)
 {
     gd__output_text(output, "{\"vertices\":[");
-    for (uint32_t i = 0; i < polygons->position_count; i++) {
+    for (uint32_t i = 0; i < polygons->position_count && !output->failed; i++) {
         gd__output_text(output, i > 0 ? ",[" : "[");
         gd__write_xyz(output, polygons->positions[i], ",");
         gd__output_text(output, "]");
     }
     gd__output_text(output, "],\"faces\":[");
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         gd__output_text(output, i > 0 ? ",[" : "[");
         write_corners(output, polygons, i, 0, ",");
         gd__output_text(output, "]");
@@ -114,11 +114,11 @@ void gd__write_ply(struct gd__output *output, const struct gd_polygons *polygons
 {
     bool long_lists = largest_polygon(polygons) > UINT8_MAX;
     write_ply_header(output, polygons, distances != NULL, long_lists);
-    for (uint32_t i = 0; i < polygons->position_count; i++) {
+    for (uint32_t i = 0; i < polygons->position_count && !output->failed; i++) {
         for (int axis = 0; axis < 3; axis++) gd__output_f64(output, polygons->positions[i][axis]);
         if (distances) gd__output_f64(output, isfinite(distances[i]) ? distances[i] : NAN);
     }
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         gd__output_little_endian(output, size_of_polygon(polygons, i), long_lists ? 4 : 1);
         for (uint32_t corner = gd_polygons_first(polygons, i); corner < gd_polygons_first(polygons, i + 1); corner++) {
             gd__output_little_endian(output, polygons->corners[corner], 4);
@@ -164,7 +164,7 @@ static enum gd_status write_stl(struct gd__output *output, const struct gd_polyg
     static const char header[80] = "binary STL"; /* must not begin with "solid" */
     gd__output_bytes(output, header, sizeof header);
     gd__output_little_endian(output, polygons->polygon_count, 4);
-    for (uint32_t i = 0; i < polygons->polygon_count; i++) {
+    for (uint32_t i = 0; i < polygons->polygon_count && !output->failed; i++) {
         struct gd_vec3 corners[3];
         for (uint32_t k = 0; k < 3; k++) {
             corners[k] = corner_position(polygons, gd_polygons_first(polygons, i) + k);
@@ -203,7 +203,7 @@ static enum gd_status write_format(struct gd__output *output, const struct gd_po
 
 enum gd_status gd__output_finish(struct gd__output *output, enum gd_status status, char **out, size_t *size)
 {
-    if (status == GD_OK && output->failed) status = GD_NO_MEMORY;
+    if (status == GD_OK && output->failed) status = output->status ? output->status : GD_NO_MEMORY;
     if (status != GD_OK) {
         free(output->bytes);
         return status;
@@ -215,7 +215,13 @@ enum gd_status gd__output_finish(struct gd__output *output, enum gd_status statu
 
 enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out, size_t *size)
 {
-    struct gd__output output = {0};
+    return gd_write_polygons_within(polygons, format, NULL, out, size);
+}
+
+enum gd_status gd_write_polygons_within(const struct gd_polygons *polygons, enum gd_format format,
+                                        const struct gd_control *control, char **out, size_t *size)
+{
+    struct gd__output output = {.control = control};
     enum gd_status status = write_format(&output, polygons, format);
     return gd__output_finish(&output, status, out, size);
 }

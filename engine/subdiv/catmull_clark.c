@@ -195,22 +195,19 @@ static void evaluate(const struct gd__patch *patch, double s, double t, struct g
                             combine(v.b, dd, 1), combine(v.d, d, 1), combine(v.dd, p, 1)};
 }
 
-static void grid(const struct gd__patch *patch, uint32_t cells, ptrdiff_t origin, ptrdiff_t step_s, ptrdiff_t step_t,
-                 struct gd_vec3 *positions, struct gd_vec3 *normals)
+static void row(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows)
 {
-    for (uint32_t i = 0; i <= cells; i++) {
-        struct weights u = weights_at((double)i / cells);
-        struct gd_vec3 p[4], d[4];
-        for (int j = 0; j < 4; j++) {
-            p[j] = combine(u.b, patch->c + j, 4);
-            d[j] = combine(u.d, patch->c + j, 4);
-        }
-        for (uint32_t j = 0; j <= cells; j++) {
-            struct weights v = weights_at((double)j / cells);
-            ptrdiff_t at = origin + (ptrdiff_t)i * step_s + (ptrdiff_t)j * step_t;
-            positions[at] = combine(v.b, p, 1);
-            normals[at] = gd_vec3_cross(combine(v.b, d, 1), combine(v.d, p, 1));
-        }
+    struct weights u = weights_at((double)i / rows->cells);
+    struct gd_vec3 p[4], d[4];
+    for (int j = 0; j < 4; j++) {
+        p[j] = combine(u.b, patch->c + j, 4);
+        d[j] = combine(u.d, patch->c + j, 4);
+    }
+    for (uint32_t j = 0; j <= rows->cells; j++) {
+        struct weights v = weights_at((double)j / rows->cells);
+        ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
+        rows->positions[at] = combine(v.b, p, 1);
+        rows->normals[at] = gd_vec3_cross(combine(v.b, d, 1), combine(v.d, p, 1));
     }
 }
 
@@ -232,5 +229,5 @@ const struct gd__scheme gd__catmull_clark = {
     .cross = cross,
     .patch = patch,
     .evaluate = evaluate,
-    .grid = grid,
+    .row = row,
 };

@@ -59,10 +59,10 @@ static double off_triangles(const struct fine *fine, uint32_t i, uint32_t j)
     return fmax(off, fabs(gd_vec3_dot(gd_vec3_sub(p, flat), normal)));
 }
 
-static double off_inside(const struct fine *fine)
+static double off_inside(const struct fine *fine, struct gd__pace *pace)
 {
     double most = 0;
-    for (uint32_t i = 0; i < fine->cells; i++) {
+    for (uint32_t i = 0; i < fine->cells && gd__pace(pace, fine->cells); i++) {
         uint32_t end = fine->triangles ? fine->cells - i : fine->cells;
         for (uint32_t j = 0; j < end; j++) most = fmax(most, off_triangles(fine, i, j));
     }
@@ -97,24 +97,36 @@ static double off_sides(const struct fine *fine)
     return most;
 }
 
-/* One face's level; `walker` has the stages of the finest grid and `*room` grows as it must. */
-static enum gd_status find_level(struct gd__walker *walker, uint32_t face, double tolerance, uint32_t least,
-                                 struct gd__grid_room *room, uint32_t *room_level, uint8_t *out)
+struct search {
+    struct gd__walker *walker; /* with the stages of the finest grid */
+    struct gd__grid_room room; /* grows as it must */
+    uint32_t room_level;
+    double tolerance;
+    struct gd__pace *pace;
+};
+
+/* One face's level. */
+static enum gd_status find_level(struct search *search, uint32_t face, uint32_t least, uint8_t *out)
 {
+    struct gd__walker *walker = search->walker;
+    struct gd__grid_room *room = &search->room;
     for (uint32_t level = least; level <= GD__LEVEL_MOST - FINER; level++) {
         uint32_t fine_level = level + FINER;
-        if (fine_level > *room_level) {
+        if (fine_level > search->room_level) {
             struct gd__grid_room larger;
             enum gd_status status = gd__grid_room(fine_level, &larger);
             if (status) return status;
             gd__grid_room_free(room);
             *room = larger;
-            *room_level = fine_level;
+            search->room_level = fine_level;
         }
-        gd__grid(walker, face, fine_level, room->positions, room->normals);
+        enum gd_status status = gd__grid(walker, face, fine_level, room, search->pace);
+        if (status) return status;
         uint32_t cells = 1u << fine_level;
         struct fine fine = {room->positions, room->normals, cells, cells + 1, walker->surface->rules->arity == 3};
-        if (fmax(off_inside(&fine), off_sides(&fine)) <= tolerance) {
+        double off = fmax(off_inside(&fine, search->pace), off_sides(&fine));
+        if (search->pace->status) return search->pace->status;
+        if (off <= search->tolerance) {
             *out = (uint8_t)level;
             return GD_OK;
         }
@@ -126,17 +138,18 @@ enum gd_status gd__chordal_levels(const struct gd_subdivision *surface, double t
                                   const struct gd_control *control, struct gd__tiling *tiling)
 {
     /* a face needs an inner vertex so that finer edges can be joined to it */
-    uint32_t least = surface->rules->arity == 4 ? 1 : 2, room_level = least + FINER, faces = surface->base.face_count;
+    uint32_t least = surface->rules->arity == 4 ? 1 : 2, faces = surface->base.face_count;
     struct gd__walker walker = {0};
-    struct gd__grid_room room = {0};
+    struct gd__pace pace = {.control = control};
+    struct search search = {.walker = &walker, .room_level = least + FINER, .tolerance = tolerance, .pace = &pace};
     enum gd_status status = gd__walker_create(&walker, surface, gd__grid_stages(GD__LEVEL_MOST), control);
-    if (!status) status = gd__grid_room(room_level, &room);
+    if (!status) status = gd__grid_room(search.room_level, &search.room);
     for (uint32_t face = 0; !status && face < faces; face++) {
         if (face % 16 == 0) status = gd_control_check(control, 0.5 * face / faces);
-        if (!status)
-            status = find_level(&walker, face, tolerance, least, &room, &room_level, &tiling->face_level[face]);
+        pace.fraction = 0.5 * face / faces;
+        if (!status) status = find_level(&search, face, least, &tiling->face_level[face]);
     }
-    gd__grid_room_free(&room);
+    gd__grid_room_free(&search.room);
     gd__walker_free(&walker);
     return status;
 }

@@ -5,11 +5,6 @@
 #include "subdiv/grid.h"
 #include "subdiv/tiling.h"
 
-/* Arrays of the (2^level + 1)^2 places of a grid. */
-struct gd__grid_room {
-    struct gd_vec3 *positions, *normals;
-};
-
 /* Room for grids of `level`. GD_NO_MEMORY; free by free. */
 GD_MUST_USE enum gd_status gd__grid_room(uint32_t level, struct gd__grid_room *out);
 void gd__grid_room_free(struct gd__grid_room *room);

@@ -81,6 +81,7 @@ struct source {
     uint32_t face, cells;
     uint32_t control_face, corner;
     struct gd__chart frame; /* of the base face in its control face */
+    struct gd__pace *pace;
 };
 
 static void put(const struct source *source, uint32_t vertex, uint32_t i, uint32_t j)
@@ -112,7 +113,7 @@ static void put_face(const struct source *source)
     uint32_t arity = source->tiling->surface->rules->arity;
     uint32_t cells = 1u << source->tiling->face_level[source->face], step = source->cells / cells;
     for (uint32_t k = 0; k < arity; k++) put_side(source, k);
-    for (uint32_t i = 1; i < cells; i++) {
+    for (uint32_t i = 1; i < cells && gd__pace(source->pace, cells); i++) {
         uint32_t end = arity == 3 ? cells - i : cells;
         uint32_t vertex = end > 1 ? gd__tiling_inside(source->tiling, source->face, cells, i, 1) : 0;
         for (uint32_t j = 1; j < end; j++) put(source, vertex++, i * step, j * step);
@@ -136,18 +137,18 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling, const stru
     struct gd__grid_room room = {0};
     enum gd_status status = gd__walker_create(&walker, surface, gd__grid_stages(most), control);
     if (!status) status = gd__grid_room(most, &room);
-    uint64_t since = 0; /* vertices since the last look at the control */
+    struct gd__pace pace = {.control = control, .since = GD__PACE_STEPS};
     for (uint32_t face = 0; !status && face < faces; face++) {
         uint32_t level = gd__tiling_finest(tiling, face);
-        if ((since += 64 + (1ull << 2 * level)) > 4096 || face == 0) {
-            status = gd_control_check(control, 0.5 + 0.4 * face / faces);
-            since = 0;
-        }
+        pace.fraction = 0.5 + 0.4 * face / faces;
+        (void)gd__pace(&pace, 64);
+        status = gd__grid(&walker, face, level, &room, &pace);
         if (status) break;
-        gd__grid(&walker, face, level, room.positions, room.normals);
-        struct source source = {.tiling = tiling, .room = &room, .out = out, .face = face, .cells = 1u << level};
+        struct source source = {
+            .tiling = tiling, .room = &room, .out = out, .face = face, .cells = 1u << level, .pace = &pace};
         source.frame = gd__base_frame(surface, face, &source.control_face, &source.corner);
         put_face(&source);
+        status = pace.status;
     }
     gd__grid_room_free(&room);
     gd__walker_free(&walker);
@@ -157,15 +158,13 @@ static enum gd_status place_vertices(const struct gd__tiling *tiling, const stru
 static enum gd_status tile(const struct gd__tiling *tiling, const struct gd_control *control,
                            struct gd_discretization *out)
 {
-    uint32_t faces = tiling->surface->base.face_count, *at = out->polygons.corners, *looked = at;
-    enum gd_status status = GD_OK;
-    for (uint32_t face = 0; !status && face < faces; face++) {
-        at = gd__tile(tiling, face, (const double(*)[3])out->polygons.positions, at);
-        if (at - looked < 3 * 8192) continue;
-        looked = at;
-        status = gd_control_check(control, 0.9 + 0.1 * face / faces);
+    uint32_t faces = tiling->surface->base.face_count, *at = out->polygons.corners;
+    struct gd__pace pace = {.control = control};
+    for (uint32_t face = 0; !pace.status && face < faces; face++) {
+        pace.fraction = 0.9 + 0.1 * face / faces;
+        at = gd__tile(tiling, face, (const double(*)[3])out->polygons.positions, at, &pace);
     }
-    return status;
+    return pace.status;
 }
 
 enum gd_status gd_discretize(const struct gd_subdivision *surface, const struct gd_discretize_options *options,

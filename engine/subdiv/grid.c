@@ -13,6 +13,7 @@ struct part {
 struct canvas {
     struct gd__walker *walker;
     struct gd_vec3 *positions, *normals;
+    struct gd__pace *pace;
 };
 
 static struct part part_of_child(const struct part *part, const struct gd__child *child)
@@ -22,23 +23,29 @@ static struct part part_of_child(const struct part *part, const struct gd__child
                          child->s[0] * s + child->s[1] * t, child->t[0] * s + child->t[1] * t};
 }
 
+/* Moves a row to its place, and makes its normals of unit length. */
+static void settle_row(const struct gd__grid_rows *rows, uint32_t i, uint32_t last, struct gd_vec3 origin)
+{
+    for (uint32_t j = 0; j <= last; j++) {
+        ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
+        double square = gd_vec3_dot(rows->normals[at], rows->normals[at]);
+        bool known = square > 0 && square < INFINITY;
+        rows->positions[at] = gd_vec3_add(rows->positions[at], origin);
+        rows->normals[at] = known ? gd_vec3_scale(rows->normals[at], 1 / sqrt(square)) : (struct gd_vec3){0};
+    }
+}
+
 static void paint_patch(const struct canvas *canvas, const struct gd__net *ring, const struct part *part,
                         struct gd_vec3 origin)
 {
     const struct gd__scheme *rules = gd__scheme_of(ring);
+    const struct gd__grid_rows rows = {1u << part->level, part->origin,      part->step_s,
+                                       part->step_t,      canvas->positions, canvas->normals};
     struct gd__patch patch;
-    uint32_t cells = 1u << part->level;
     rules->patch(ring, &canvas->walker->fan, &patch);
-    rules->grid(&patch, cells, part->origin, part->step_s, part->step_t, canvas->positions, canvas->normals);
-    for (uint32_t i = 0; i <= cells; i++) {
-        uint32_t last = rules->arity == 3 ? cells - i : cells;
-        for (uint32_t j = 0; j <= last; j++) {
-            ptrdiff_t at = part->origin + (ptrdiff_t)i * part->step_s + (ptrdiff_t)j * part->step_t;
-            double square = gd_vec3_dot(canvas->normals[at], canvas->normals[at]);
-            bool known = square > 0 && square < INFINITY;
-            canvas->positions[at] = gd_vec3_add(canvas->positions[at], origin);
-            canvas->normals[at] = known ? gd_vec3_scale(canvas->normals[at], 1 / sqrt(square)) : (struct gd_vec3){0};
-        }
+    for (uint32_t i = 0; i <= rows.cells && gd__pace(canvas->pace, rows.cells + 1); i++) {
+        rules->row(&patch, i, &rows);
+        settle_row(&rows, i, rules->arity == 3 ? rows.cells - i : rows.cells, origin);
     }
 }
 
@@ -70,7 +77,7 @@ static void paint(const struct canvas *canvas, uint32_t stage, const struct part
         return;
     }
     gd__net_refine(&here->ring, here->ring.arity, &walker->fan, &here->refined);
-    for (uint32_t child = 0; child < GD__CHILDREN; child++) {
+    for (uint32_t child = 0; child < GD__CHILDREN && !canvas->pace->status; child++) {
         struct part quarter = part_of_child(part, &walker->surface->rules->children[child]);
         struct gd_vec3 child_origin = origin;
         gd__cut(walker, &here->refined, child, &walker->stages[stage + 1].ring, &child_origin);
@@ -78,12 +85,14 @@ static void paint(const struct canvas *canvas, uint32_t stage, const struct part
     }
 }
 
-void gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, struct gd_vec3 *positions,
-              struct gd_vec3 *normals)
+enum gd_status gd__grid(struct gd__walker *walker, uint32_t face, uint32_t level, const struct gd__grid_room *room,
+                        struct gd__pace *pace)
 {
-    struct canvas canvas = {walker, positions, normals};
+    struct gd__pace none = {0};
+    struct canvas canvas = {walker, room->positions, room->normals, pace ? pace : &none};
     struct part whole = {level, 0, ((ptrdiff_t)1 << level) + 1, 1};
     struct gd_vec3 origin = {0};
     gd__cut(walker, &walker->surface->base, face, &walker->stages[0].ring, &origin);
     paint(&canvas, 0, &whole, origin);
+    return canvas.pace->status;
 }

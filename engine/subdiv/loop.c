@@ -226,18 +226,15 @@ static void evaluate(const struct gd__patch *patch, double s, double t, struct g
     *out = (struct gd__jet){.p = p.p, .s = ds.p, .t = p.d, .ss = dss.p, .st = ds.d, .tt = p.dd};
 }
 
-static void grid(const struct gd__patch *patch, uint32_t cells, ptrdiff_t origin, ptrdiff_t step_s, ptrdiff_t step_t,
-                 struct gd_vec3 *positions, struct gd_vec3 *normals)
+static void row(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows)
 {
-    for (uint32_t i = 0; i <= cells; i++) {
-        struct row row = row_at(patch, (double)i / cells);
-        for (uint32_t j = 0; i + j <= cells; j++) {
-            double t = (double)j / cells;
-            struct horner p = horner(row.p, 4, t), ds = horner(row.s, 3, t);
-            ptrdiff_t at = origin + (ptrdiff_t)i * step_s + (ptrdiff_t)j * step_t;
-            positions[at] = p.p;
-            normals[at] = gd_vec3_cross(ds.p, p.d);
-        }
+    struct row row = row_at(patch, (double)i / rows->cells);
+    for (uint32_t j = 0; i + j <= rows->cells; j++) {
+        double t = (double)j / rows->cells;
+        struct horner p = horner(row.p, 4, t), ds = horner(row.s, 3, t);
+        ptrdiff_t at = rows->origin + (ptrdiff_t)i * rows->step_s + (ptrdiff_t)j * rows->step_t;
+        rows->positions[at] = p.p;
+        rows->normals[at] = gd_vec3_cross(ds.p, p.d);
     }
 }
 
@@ -259,5 +256,5 @@ const struct gd__scheme gd__loop = {
     .cross = cross,
     .patch = patch,
     .evaluate = evaluate,
-    .grid = grid,
+    .row = row,
 };

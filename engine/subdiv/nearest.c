@@ -174,7 +174,8 @@ static void search_face(struct search *search, uint32_t face)
     struct gd_vec3 positions[SEED_ROW * SEED_ROW], normals[SEED_ROW * SEED_ROW];
     double squares[SEED_ROW * SEED_ROW];
     uint32_t arity = search->walker.surface->rules->arity;
-    gd__grid(&search->walker, face, SEED_LEVEL, positions, normals);
+    const struct gd__grid_room room = {positions, normals};
+    (void)gd__grid(&search->walker, face, SEED_LEVEL, &room, NULL);
     for (int i = 0; i <= SEED_CELLS; i++) {
         for (int j = 0; j <= (arity == 3 ? SEED_CELLS - i : SEED_CELLS); j++)
             squares[i * SEED_ROW + j] = square_to(positions[i * SEED_ROW + j], search->xyz);

@@ -23,6 +23,13 @@ struct gd__child {
 
 enum { GD__CHILDREN = 4 };
 
+/* Where a grid is written: (i,j) at index origin + i step_s + j step_t. */
+struct gd__grid_rows {
+    uint32_t cells;
+    ptrdiff_t origin, step_s, step_t;
+    struct gd_vec3 *positions, *normals;
+};
+
 struct gd__scheme {
     uint32_t arity;
     uint32_t valence; /* of regular vertices */
@@ -50,9 +57,8 @@ struct gd__scheme {
     void (*patch)(const struct gd__net *net, struct gd__fan *fan, struct gd__patch *out);
     void (*evaluate)(const struct gd__patch *patch, double s, double t, struct gd__jet *out);
 
-    /* Positions and cross products of the derivatives at (i / cells, j / cells), 0 <= i, j <= cells in the domain, at index origin + i step_s + j step_t. */
-    void (*grid)(const struct gd__patch *patch, uint32_t cells, ptrdiff_t origin, ptrdiff_t step_s, ptrdiff_t step_t,
-                 struct gd_vec3 *positions, struct gd_vec3 *normals);
+    /* Row i of a grid: positions and cross products of the derivatives at (i / cells, j / cells), 0 <= j <= cells in the domain. */
+    void (*row)(const struct gd__patch *patch, uint32_t i, const struct gd__grid_rows *rows);
 };
 
 /* Which side of the border between children at 1/2 a coordinate is on. */

@@ -33,13 +33,20 @@ static uint32_t vertex_at(const struct gd__tiling *tiling, uint32_t face, uint32
     return gd__tiling_inside(tiling, face, cells, i, j);
 }
 
+struct tiled {
+    const struct gd__tiling *tiling;
+    uint32_t face;
+    const double (*positions)[3];
+    struct gd__pace *pace;
+};
+
 /* Cells (i,j) with low <= i, j and i, j < high (Loop: i + j < high). */
-static uint32_t *tile_cells(const struct gd__tiling *tiling, uint32_t face, uint32_t low, uint32_t high,
-                            const double (*positions)[3], uint32_t *corners)
+static uint32_t *tile_cells(const struct tiled *tiled, uint32_t low, uint32_t high, uint32_t *corners)
 {
-    uint32_t cells = 1u << tiling->face_level[face];
+    const struct gd__tiling *tiling = tiled->tiling;
+    uint32_t face = tiled->face, cells = 1u << tiling->face_level[face];
     bool triangles = tiling->surface->rules->arity == 3;
-    for (uint32_t i = low; i < high; i++) {
+    for (uint32_t i = low; i < high && gd__pace(tiled->pace, high - low); i++) {
         uint32_t last = triangles ? high - i : high;
         if (last <= low) break;
         uint32_t a = vertex_at(tiling, face, cells, i, low), b = vertex_at(tiling, face, cells, i + 1, low);
@@ -51,7 +58,7 @@ static uint32_t *tile_cells(const struct gd__tiling *tiling, uint32_t face, uint
                 corners = triangle(corners, a, b, d);
                 if (!half) corners = triangle(corners, b, c, d);
             } else {
-                corners = quad(positions, (uint32_t[4]){a, b, c, d}, corners);
+                corners = quad(tiled->positions, (uint32_t[4]){a, b, c, d}, corners);
             }
             a = d;
             b = c;
@@ -97,11 +104,13 @@ static uint32_t *tile_strip(const struct gd__tiling *tiling, uint32_t face, uint
     return corners;
 }
 
-uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3], uint32_t *corners)
+uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3], uint32_t *corners,
+                   struct gd__pace *pace)
 {
+    const struct tiled tiled = {tiling, face, positions, pace};
     uint32_t level = tiling->face_level[face], cells = 1u << level, arity = tiling->surface->rules->arity;
-    if (gd__tiling_finest(tiling, face) == level) return tile_cells(tiling, face, 0, cells, positions, corners);
-    corners = tile_cells(tiling, face, 1, cells - 1, positions, corners);
+    if (gd__tiling_finest(tiling, face) == level) return tile_cells(&tiled, 0, cells, corners);
+    corners = tile_cells(&tiled, 1, cells - 1, corners);
     for (uint32_t k = 0; k < arity; k++) corners = tile_strip(tiling, face, k, corners);
     return corners;
 }

@@ -4,6 +4,7 @@
 #ifndef GD_SUBDIV_TILING_H
 #define GD_SUBDIV_TILING_H
 
+#include "base/pace.h"
 #include "subdiv/surface.h"
 
 struct gd__tiling {
@@ -34,7 +35,8 @@ uint32_t gd__tiling_inside(const struct gd__tiling *tiling, uint32_t face, uint3
 /* (i,j) of point `m` of side `k` of a face in `cells`. */
 void gd__side_place(uint32_t arity, uint32_t k, uint32_t cells, uint32_t m, uint32_t out[2]);
 
-/* Appends the triangles of a face at `corners` and returns its end. `positions` are all vertices'. */
-uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3], uint32_t *corners);
+/* Appends the triangles of a face at `corners` and returns its end. `positions` are all vertices'. A step of the pace is a cell; where it ends, so do the triangles. */
+uint32_t *gd__tile(const struct gd__tiling *tiling, uint32_t face, const double (*positions)[3], uint32_t *corners,
+                   struct gd__pace *pace);
 
 #endif

@@ -12,6 +12,7 @@
 #include "server/server.h"
 
 #define MADE_OPTIONS "format=ply&triangulate=true" /* as the kind of meshes writes them */
+#define COPY_BYTES   ((size_t)4 << 20)             /* between two looks at the control */
 
 void server_making_begin(struct server_making *making, struct server_exchange *exchange)
 {
@@ -97,64 +98,84 @@ static size_t file_cost(const struct gd_polygons *polygons)
            polygons->polygon_count * sizeof(uint32_t) + 1024;
 }
 
-static bool write_file(const struct gd_polygons *polygons, char **file, size_t *size, struct proto_problem *problem)
+enum gd_status server_making_copy(void *to, const void *from, size_t size, const struct gd_control *control)
 {
-    enum gd_status status = gd_write_polygons(polygons, GD_FORMAT_PLY, file, size);
-    return !status || proto_problem_from_status(problem, status, NULL);
+    enum gd_status status = GD_OK;
+    for (size_t at = 0; !status && at < size; at += COPY_BYTES) {
+        status = gd_control_check(control, 0);
+        if (!status) memcpy((char *)to + at, (const char *)from + at, size - at < COPY_BYTES ? size - at : COPY_BYTES);
+    }
+    return status;
 }
 
-/* The record of the file: the one that the name has already, if it is the same. NULL without memory. */
-static struct server_record *identify(const struct server_making *making, const char *name, const void *file,
-                                      size_t size, const struct server_attachment *attachment)
+/* A mesh that is being made. All borrowed. */
+struct draft {
+    const char *name, *file;
+    size_t size;
+    const struct server_attachment *attachment; /* NULL: none */
+    const struct gd_control *control;
+};
+
+/* The record of the file: the one that the name has already, if it is the same. */
+static enum gd_status identify(const struct server_exchange *exchange, const struct draft *draft,
+                               struct server_record **out)
 {
-    struct server_exchange *exchange = making->exchange;
+    const struct server_attachment *attachment = draft->attachment;
     char sha256[SERVER_SHA256_HEX], attachment_sha256[SERVER_SHA256_HEX];
-    struct server_origin origin = {
-        .key = {exchange->tenant, &server_kind_mesh, name}, .sha256 = sha256, .size = size, .options = MADE_OPTIONS};
-    server_sha256(file, size, sha256);
-    if (attachment) {
-        server_sha256(attachment->bytes, attachment->size, attachment_sha256);
+    struct server_origin origin = {.key = {exchange->tenant, &server_kind_mesh, draft->name},
+                                   .sha256 = sha256,
+                                   .size = draft->size,
+                                   .options = MADE_OPTIONS};
+    enum gd_status status = server_sha256_within(draft->file, draft->size, draft->control, sha256);
+    if (!status && attachment) {
+        status = server_sha256_within(attachment->bytes, attachment->size, draft->control, attachment_sha256);
         origin.attachment_sha256 = attachment_sha256;
         origin.attachment_size = attachment->size;
     }
+    if (status) return status;
     struct server_record *record = server_record_create(&origin);
     struct server_listed before;
-    if (!record || !server_registry_find(exchange->server->registry, &origin.key, &before)) return record;
-    if (server_record_equal(before.record, record)) {
-        server_record_release(record);
-        record = server_record_retain(before.record);
+    if (record && server_registry_find(exchange->server->registry, &origin.key, &before)) {
+        if (server_record_equal(before.record, record)) {
+            server_record_release(record);
+            record = server_record_retain(before.record);
+        }
+        server_listed_release(&before);
     }
-    server_listed_release(&before);
-    return record;
+    *out = record;
+    return record ? GD_OK : GD_NO_MEMORY;
 }
 
 /* A copy that is counted as SERVER_BUDGET_FLIGHT; NULL with the problem. */
-static void *copy_attachment(struct server_budget *budget, const struct server_attachment *attachment,
-                             struct proto_problem *problem)
+static void *copy_attachment(struct server_budget *budget, const struct draft *draft, struct proto_problem *problem)
 {
+    const struct server_attachment *attachment = draft->attachment;
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, attachment->size)) {
         server_budget_refuse(budget, "the mesh", attachment->size, problem);
         return NULL;
     }
     void *copy = malloc(attachment->size);
-    if (copy) return memcpy(copy, attachment->bytes, attachment->size);
+    enum gd_status status =
+        copy ? server_making_copy(copy, attachment->bytes, attachment->size, draft->control) : GD_NO_MEMORY;
+    if (!status) return copy;
+    free(copy);
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, attachment->size);
-    proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    proto_problem_from_status(problem, status, NULL);
     return NULL;
 }
 
 /* The surface of a file that is written. */
-static struct server_surface *make(const struct server_making *making, const char *name, const void *file, size_t size,
-                                   const struct server_attachment *attachment, struct proto_problem *problem)
+static struct server_surface *make(struct server_exchange *exchange, const struct draft *draft,
+                                   struct proto_problem *problem)
 {
-    struct server_exchange *exchange = making->exchange;
     struct server_surface *surface = NULL;
+    struct server_record *record = NULL;
     void *copy = NULL;
-    struct server_record *record = identify(making, name, file, size, attachment);
-    if (!record)
-        proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
-    else if (!attachment || (copy = copy_attachment(&exchange->server->budget, attachment, problem)))
-        surface = server_making_build(exchange, record, file, copy, problem);
+    enum gd_status status = identify(exchange, draft, &record);
+    if (status)
+        proto_problem_from_status(problem, status, NULL);
+    else if (!draft->attachment || (copy = copy_attachment(&exchange->server->budget, draft, problem)))
+        surface = server_making_build(exchange, record, draft->file, copy, problem);
     server_record_release(record);
     return surface;
 }
@@ -162,11 +183,15 @@ static struct server_surface *make(const struct server_making *making, const cha
 bool server_making_add(struct server_making *making, const char *name, const struct gd_polygons *polygons,
                        const struct server_attachment *attachment, struct proto_problem *problem)
 {
+    struct server_monitor monitor = {.exchange = making->exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    struct draft draft = {.name = name, .attachment = attachment, .control = &control};
     char *file;
-    size_t size;
     if (!check_name(making, name, problem) || !hold(making, file_cost(polygons), problem)) return false;
-    if (!write_file(polygons, &file, &size, problem)) return false;
-    struct server_surface *surface = make(making, name, file, size, attachment, problem);
+    enum gd_status status = gd_write_polygons_within(polygons, GD_FORMAT_PLY, &control, &file, &draft.size);
+    if (status) return proto_problem_from_status(problem, status, NULL);
+    draft.file = file;
+    struct server_surface *surface = make(making->exchange, &draft, problem);
     if (!surface) {
         free(file);
         return false;

@@ -50,6 +50,10 @@ void server_making_end(struct server_making *making); /* a second time, or of on
 bool server_making_add(struct server_making *making, const char *name, const struct gd_polygons *polygons,
                        const struct server_attachment *attachment, struct proto_problem *problem);
 
+/* Copies bytes, until a deadline or a cancel. */
+GD_MUST_USE enum gd_status server_making_copy(void *to, const void *from, size_t size,
+                                              const struct gd_control *control);
+
 /* Stores all, each in the place of what its name had, by the registry's writer: CREATED (all names were free) or REPLACED. Else
  * as server_registry_put, and those that this has created are removed again, as far as that can be done. */
 enum server_store_outcome server_making_store(struct server_making *making);

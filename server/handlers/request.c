@@ -281,8 +281,10 @@ void server_request_end_parsing(struct server_exchange *exchange)
 static json_t *parse_body(struct server_exchange *exchange, struct proto_problem *problem)
 {
     const struct server_body *body = &exchange->body;
+    struct server_monitor monitor = {.exchange = exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
     if (!server_request_begin_parsing(exchange, body->bytes, body->size, problem)) return NULL;
-    json_t *document = proto_decode_document(body->bytes, body->size, problem);
+    json_t *document = proto_decode_document_within(body->bytes, body->size, &control, problem);
     if (!document) server_request_end_parsing(exchange);
     return document;
 }

@@ -43,7 +43,7 @@ static void tell_place(const void *item, double *out)
     out[0] = place->face, out[1] = place->corner, out[2] = place->u, out[3] = place->v;
 }
 
-enum { NUMBERS_MOST = 4 };
+enum { NUMBERS_MOST = 4, VERTICES_A_LOOK = 65536 };
 
 static const struct origin parameters = {.word = {'n', 'u', 'r', 'b', 's', 'u', 'v', '1'},
                                          .head = sizeof(struct head),
@@ -99,28 +99,33 @@ static double period_of(const struct gd_axis *axis)
     return axis->closed ? axis->high - axis->low : 0;
 }
 
-static void write_parameters(const void *source, struct head *head)
+static enum gd_status write_parameters(const void *source, const struct gd_control *control, struct head *head)
 {
     const struct gd_tessellation *tessellation = source;
     const struct gd_parametric *surface = gd_tessellation_surface(tessellation);
     double(*uv)[2] = items_of(&parameters, head);
     head->period[0] = period_of(gd_parametric_axis_u(surface));
     head->period[1] = period_of(gd_parametric_axis_v(surface));
-    for (uint32_t i = 0; i < gd_tessellation_polygons(tessellation)->position_count; i++)
+    enum gd_status status = GD_OK;
+    for (uint32_t i = 0; !status && i < gd_tessellation_polygons(tessellation)->position_count; i++) {
+        if (i % VERTICES_A_LOOK == 0) status = gd_control_check(control, 0);
         gd_tessellation_vertex(tessellation, (struct gd_vertex){i}, uv[i]);
+    }
+    return status;
 }
 
-static void write_places(const void *source, struct head *head)
+static enum gd_status write_places(const void *source, const struct gd_control *control, struct head *head)
 {
     const struct gd_discretization *fine = source;
-    memcpy(items_of(&places, head), fine->places, fine->polygons.position_count * sizeof *fine->places);
+    return server_making_copy(items_of(&places, head), fine->places,
+                              fine->polygons.position_count * sizeof *fine->places, control);
 }
 
 /* A mesh to be made, and what writes its attachment's items. */
 struct made {
     const struct origin *origin;
     const struct gd_polygons *polygons;
-    void (*write)(const void *source, struct head *head);
+    enum gd_status (*write)(const void *source, const struct gd_control *control, struct head *head);
     const void *source;
 };
 
@@ -133,10 +138,12 @@ static bool make(const struct server_query *query, const char *name, const struc
     if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost))
         return server_budget_refuse(budget, "the mesh", cost, problem);
     struct head *head = begin(made->origin, query->surface->record, made->polygons->position_count);
-    if (head) made->write(made->source, head);
+    struct server_monitor monitor = {.exchange = query->exchange};
+    const struct gd_control control = server_exchange_control(&monitor);
+    enum gd_status status = head ? made->write(made->source, &control, head) : GD_NO_MEMORY;
     const struct server_attachment attachment = {head, cost};
-    bool ok = head ? server_making_add(making, name, made->polygons, &attachment, problem)
-                   : proto_problem_from_status(problem, GD_NO_MEMORY, NULL);
+    bool ok = status ? proto_problem_from_status(problem, status, NULL)
+                     : server_making_add(making, name, made->polygons, &attachment, problem);
     free(head);
     server_budget_give(budget, SERVER_BUDGET_FLIGHT, cost);
     return ok;

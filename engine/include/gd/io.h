@@ -53,7 +53,7 @@ const char *gd_format_name(enum gd_format format);
 const char *gd_format_media_type(enum gd_format format);
 
 /* The format that the bytes are in, told from content and size alone; GD_FORMAT_ANY when none fits. Reads no further than the
- * first word behind leading space and comments. */
+ * first word behind leading space and comments, which has to be in the first MiB. */
 enum gd_format gd_format_recognise(const void *bytes, size_t size);
 
 struct gd_read_limits {
@@ -86,5 +86,9 @@ GD_MUST_USE enum gd_status gd_read_polygons(const void *bytes, size_t size, enum
  * GD_TOO_LARGE (GLB: 4 GiB), GD_INVALID_ARGUMENT (GD_FORMAT_ANY), GD_NO_MEMORY. */
 GD_MUST_USE enum gd_status gd_write_polygons(const struct gd_polygons *polygons, enum gd_format format, char **out,
                                              size_t *size);
+
+/* The same, until a deadline or a cancel of `control` (NULL: none; its budget is not looked at). Errors besides: GD_DEADLINE, GD_CANCELLED. */
+GD_MUST_USE enum gd_status gd_write_polygons_within(const struct gd_polygons *polygons, enum gd_format format,
+                                                    const struct gd_control *control, char **out, size_t *size);
 
 #endif

@@ -208,12 +208,42 @@ static void obeys_its_control_in_what_it_skips(void **state)
     check_control_of_skipped("", "solid a\nendsolid a\n", meshes[GD_FORMAT_STL]);
 }
 
+/* Much that is skipped, before anything that counts. */
+static void blanks_end_at_the_deadline(void **state)
+{
+    (void)state;
+    const size_t size = (size_t)3 << 20;
+    static const struct {
+        enum gd_format format;
+        const char *begin, fill;
+    } cases[] = {{GD_FORMAT_OBJ, "", ' '},      {GD_FORMAT_OBJ, "#", ' '},       {GD_FORMAT_OBJ, "", '\n'},
+                 {GD_FORMAT_OFF, "", '\n'},     {GD_FORMAT_JSON, "", ' '},       {GD_FORMAT_JSON, "{", '\n'},
+                 {GD_FORMAT_STL, "solid", ' '}, {GD_FORMAT_STL, "solid\n", 'x'}, {GD_FORMAT_PLY, "ply\ncomment", ' '}};
+    char *text = malloc(size);
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const struct gd_control late = {.deadline_ns = 1};
+        const struct gd_read_limits limits = {.control = &late};
+        struct gd_polygons polygons;
+        memset(text, cases[i].fill, size);
+        memcpy(text, cases[i].begin, strlen(cases[i].begin));
+        assert_int_equal(gd_read_polygons(text, size, cases[i].format, &limits, &polygons, NULL), GD_DEADLINE);
+        assert_true(gd_read_polygons(text, size, cases[i].format, NULL, &polygons, NULL) != GD_DEADLINE);
+    }
+    memset(text, ' ', size);
+    strcpy(text + size - 20, "\nv 0 0 0\n");
+    assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_ANY); /* not within the first MiB */
+    memcpy(text + 1000, "\nv 0 0 0\n", 9);
+    assert_int_equal(gd_format_recognise(text, size - 10), GD_FORMAT_OBJ);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_what_is_no_mesh), cmocka_unit_test(keeps_the_limits),
-        cmocka_unit_test(refuses_declared_counts), cmocka_unit_test(grows_with_the_input),
-        cmocka_unit_test(obeys_its_control),       cmocka_unit_test(obeys_its_control_in_what_it_skips),
+        cmocka_unit_test(refuses_what_is_no_mesh),    cmocka_unit_test(keeps_the_limits),
+        cmocka_unit_test(refuses_declared_counts),    cmocka_unit_test(grows_with_the_input),
+        cmocka_unit_test(obeys_its_control),          cmocka_unit_test(obeys_its_control_in_what_it_skips),
+        cmocka_unit_test(blanks_end_at_the_deadline),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

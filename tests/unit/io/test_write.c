@@ -165,6 +165,36 @@ static void writes_text_as_documented(void **state)
     }
 }
 
+static bool stop_later(void *user, double fraction)
+{
+    (void)fraction;
+    return --*(uint32_t *)user > 0;
+}
+
+static void stops_when_it_is_told_to(void **state)
+{
+    (void)state;
+    const uint32_t count = 300000;
+    struct gd_polygons many = {.position_count = count, .polygon_count = count};
+    many.positions = calloc(count, sizeof *many.positions);
+    many.corners = calloc(count, 3 * sizeof *many.corners);
+    const enum gd_format formats[] = {GD_FORMAT_PLY, GD_FORMAT_OBJ, GD_FORMAT_OFF, GD_FORMAT_JSON, GD_FORMAT_STL};
+    for (size_t i = 0; i < COUNT_OF(formats); i++) {
+        char *bytes;
+        size_t size;
+        uint32_t turns = 5;
+        const struct gd_control late = {.deadline_ns = 1}, ending = {.progress = stop_later, .user = &turns};
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &late, &bytes, &size), GD_DEADLINE);
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size), GD_CANCELLED);
+        turns = UINT32_MAX;
+        assert_int_equal(gd_write_polygons_within(&many, formats[i], &ending, &bytes, &size), GD_OK);
+        assert_true(UINT32_MAX - turns > size >> 20);
+        free(bytes);
+    }
+    free(many.positions);
+    free(many.corners);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -174,6 +204,7 @@ int main(void)
         cmocka_unit_test(writes_gltf_as_floats),
         cmocka_unit_test(refuses_what_stl_cannot_hold),
         cmocka_unit_test(writes_text_as_documented),
+        cmocka_unit_test(stops_when_it_is_told_to),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -191,6 +191,36 @@ static void refuses_unknown_fields(void **state)
     json_decref(document);
 }
 
+static bool go_on(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return *(int *)user < 3;
+}
+
+static void a_large_text_ends_at_its_deadline(void **state)
+{
+    (void)state;
+    const size_t size = (size_t)4 << 20;
+    struct proto_problem problem;
+    int looks = 0;
+    const struct gd_control late = {.deadline_ns = 1}, ending = {.progress = go_on, .user = &looks};
+    char *text = malloc(size);
+    memset(text, ' ', size);
+    assert_null(proto_decode_document_within(text, size, &late, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_DEADLINE_EXCEEDED);
+    assert_null(proto_decode_document_within(text, size, &ending, &problem));
+    assert_int_equal(looks, 3);
+    memcpy(text, "[1]", 3);
+    json_t *document = proto_decode_document_within(text, size, NULL, &problem);
+    assert_non_null(document);
+    json_decref(document);
+    document = proto_decode_document_within("{}", 2, &late, &problem); /* what takes no time is done */
+    assert_non_null(document);
+    json_decref(document);
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -202,6 +232,7 @@ int main(void)
         cmocka_unit_test(reads_members),
         cmocka_unit_test(points_at_what_is_wrong),
         cmocka_unit_test(refuses_unknown_fields),
+        cmocka_unit_test(a_large_text_ends_at_its_deadline),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,7 +47,7 @@ static void a_file_is_a_surface(void **state)
 /* Weight 3 at the last corner pulls the middle to it: (0 + 0 + 0 + 3 * 1) / 6 in z. */
 static void weights_stand_in_several_places(void **state)
 {
-    const struct proto_nurbs_options verb = {true, GD_NURBS_VERB};
+    const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB};
     const char *forms[] = {
         "{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"weights\":[[1,1],[1,3]]}",
         "{\"degreeU\":1,\"degreeV\":1," KNOTS
@@ -148,7 +148,8 @@ static void options_are_a_convention(void **state)
 static void one_of_two_conventions(void **state)
 {
     const char *body = "{\"degreeU\":1,\"degreeV\":1," KNOTS "," POINTS ",\"convention\":\"verb\"}";
-    const struct proto_nurbs_options verb = {true, GD_NURBS_VERB}, three = {true, GD_NURBS_THREE};
+    const struct proto_nurbs_options verb = {.has_convention = true, .convention = GD_NURBS_VERB},
+                                     three = {.has_convention = true, .convention = GD_NURBS_THREE};
     struct proto_problem problem;
     struct proto_nurbs_form form;
     struct gd_parametric *surface;

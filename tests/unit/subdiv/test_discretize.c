@@ -143,9 +143,46 @@ static void refusals(void **state)
     gd_subdivision_release(cube);
 }
 
+static bool count_looks(void *user, double fraction)
+{
+    (void)fraction;
+    ++*(uint32_t *)user;
+    return true;
+}
+
+static bool stop_later(void *user, double fraction)
+{
+    (void)fraction;
+    return --*(uint32_t *)user > 0;
+}
+
+/* A single face is a million vertices at level 10, and some hundred milliseconds. */
+static void a_large_face_is_looked_up_from(void **state)
+{
+    (void)state;
+    struct gd_subdivision *cube = surface_from(CUBE, GD_SCHEME_CATMULL_CLARK);
+    struct gd_subdivision *loop = surface_from(OCTAHEDRON, GD_SCHEME_LOOP);
+    const struct gd_subdivision *surfaces[] = {cube, loop};
+    const struct gd_discretize_options wanted[] = {{.level = 7}, {.tolerance = 2e-3}};
+    for (int i = 0; i < 4; i++) {
+        struct gd_discretization fine;
+        uint32_t looks = 0;
+        const struct gd_control control = {.progress = count_looks, .user = &looks};
+        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &control, &fine, NULL), GD_OK);
+        assert_true(looks >= 2 * fine.polygons.position_count / 10000);
+        gd_discretization_free(&fine);
+        looks /= 2;
+        const struct gd_control ending = {.progress = stop_later, .user = &looks};
+        assert_int_equal(gd_discretize(surfaces[i / 2], &wanted[i % 2], &ending, &fine, NULL), GD_CANCELLED);
+    }
+    gd_subdivision_release(cube);
+    gd_subdivision_release(loop);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(levels), cmocka_unit_test(tolerances),
-                                       cmocka_unit_test(real_mesh), cmocka_unit_test(refusals)};
+                                       cmocka_unit_test(real_mesh), cmocka_unit_test(refusals),
+                                       cmocka_unit_test(a_large_face_is_looked_up_from)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
