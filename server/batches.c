@@ -309,7 +309,7 @@ void server_batches_destroy(struct server_batches *batches)
 
 const char *server_batches_health(struct server_batches *batches)
 {
-    bool cant_open = atomic_load(&batches->cant_open);
+    bool cant_open = batches && atomic_load(&batches->cant_open);
     return cant_open ? "the database of batches can't be opened: see the log, mend the data folder" : NULL;
 }
 

@@ -27,7 +27,7 @@ void server_batches_destroy(struct server_batches *batches);
 /* The queue's database. NULL with a sentence: it can't be opened. By workers. */
 struct server_store_sql *server_batches_sql(struct server_batches *batches, char *error, size_t error_size);
 
-/* NULL, or a sentence: batches can't be had. Thread-safe. */
+/* NULL, or a sentence: batches can't be had. Thread-safe; NULL is harmless. */
 const char *server_batches_health(struct server_batches *batches);
 
 /* There is something new to do. */
