@@ -136,7 +136,8 @@ static int add_rules(scmp_filter_ctx filter, const struct rule *rules, size_t co
 
 static int add_own_signals(scmp_filter_ctx filter)
 {
-    return seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1, SCMP_A0(SCMP_CMP_EQ, (uint64_t)getpid()));
+    const struct rule rule = ONE(tgkill, EQUAL(0, (uint64_t)getpid()));
+    return add_rules(filter, &rule, 1);
 }
 
 static int load(scmp_filter_ctx filter, bool connects)
