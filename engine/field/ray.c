@@ -182,12 +182,25 @@ static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ra
     return trail->field->distance[vertex] < trail->nearest ? vertex : GD_NONE;
 }
 
+/* A vertex that the leg's own vertex has given its distance along their edge, as windows did not tell them
+ * apart (field.c): a leg that ends there would turn in a circle. */
+static bool leads_back(const struct gd__trail *trail, const struct gd_point *at)
+{
+    if (at->kind != GD_POINT_VERTEX || trail->vertex == GD_NONE) return false;
+    const struct gd__birth *birth = &trail->field->birth[at->element];
+    return at->element == trail->vertex || (birth->side == GD_NONE && birth->source == trail->vertex);
+}
+
 /* Appends the point at which a careful ray leaves its face. *is_end: the leg ends there, at a vertex
  * or so close to the source that a new leg from there is more exact. */
 static struct gd_point append_carefully(struct gd__trail *trail, const struct gd__ray *ray, double begun, bool *is_end)
 {
     uint32_t face = trail->mesh->side_face[ray->side];
     struct gd_point at = crossing_of(trail, ray);
+    if (leads_back(trail, &at) && !gd__side_is_boundary(trail->mesh, ray->side ^ 1)) {
+        double part = ray->t / trail->mesh->side[ray->side].length;
+        at = gd__point_within_side(ray->side, fmin(fmax(part, GD_TOL_WIDTH), 1 - GD_TOL_WIDTH));
+    }
     double gone = trail->path.length - begun + gd__trail_run(trail, &at, face), rest = hypot(ray->x - ray->t, ray->y);
     if (gd__source_is_linear(ray->source))
         rest = trail->nearest - trail->field->seeds[gd__field_seed_of(trail->field, ray->source)].offset - gone;

@@ -110,16 +110,15 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
     gd__trail_append(trail, *point, 0);
     if (trail->status) return; /* what follows looks at the last point */
     struct gd__stop stop = point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(trail, first);
-    uint32_t vertex = GD_NONE; /* the last one */
     while (stop.kind != GD__STOP_SEED && !trail->status) {
         if (!trail->steps_left--) {
             gd__stop_failed(trail, GD_INTERNAL);
         } else if (stop.kind == GD__STOP_VERTEX) {
-            vertex = stop.vertex;
-            trail->nearest = trail->field->distance[vertex];
-            stop = go_from_vertex(trail, vertex);
+            trail->vertex = stop.vertex;
+            trail->nearest = trail->field->distance[stop.vertex];
+            stop = go_from_vertex(trail, stop.vertex);
         } else {
-            struct gd__leg leg = gd__field_leg_onward(trail->field, &stop.point, vertex);
+            struct gd__leg leg = gd__field_leg_onward(trail->field, &stop.point, trail->vertex);
             trail->nearest = leg.distance;
             stop = go_by_leg(trail, &leg);
         }
@@ -138,6 +137,7 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
                               .mesh = mesh,
                               .snap = aside > 0 ? 0 : GD_TOL_SNAP,
                               .aside = aside,
+                              .vertex = GD_NONE,
                               .nearest = leg->distance,
                               .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
     uint32_t end = 0;

@@ -13,6 +13,7 @@ struct gd__trail {
     uint32_t capacity;
     double snap;         /* part of an edge within which a crossing is at its end */
     double aside;        /* GD_TOL_ASIDE_LEAST or more: the rays are careful (ray.c); 0: they are not */
+    uint32_t vertex;     /* the last one that the path went through; GD_NONE: none yet */
     double nearest;      /* distance of the point at which the leg began */
     uint64_t steps_left; /* a shortest path crosses no face twice: more steps are an error, not a longer walk */
     enum gd_status status;
