@@ -182,11 +182,13 @@ static uint32_t vertex_beside(const struct gd__trail *trail, const struct gd__ra
     return trail->field->distance[vertex] < trail->nearest ? vertex : GD_NONE;
 }
 
-/* A vertex that the leg's own vertex has given its distance along their edge, as windows did not tell them
- * apart (field.c): a leg that ends there would turn in a circle. */
+/* A vertex that no window has reached, or that the leg's own vertex has given its distance along their
+ * edge (field.c): a leg that ends there would turn in a circle, or not go on. */
 static bool leads_back(const struct gd__trail *trail, const struct gd_point *at)
 {
-    if (at->kind != GD_POINT_VERTEX || trail->vertex == GD_NONE) return false;
+    if (at->kind != GD_POINT_VERTEX) return false;
+    if (trail->field->distance[at->element] >= GD__FAR) return true;
+    if (trail->vertex == GD_NONE) return false;
     const struct gd__birth *birth = &trail->field->birth[at->element];
     return at->element == trail->vertex || (birth->side == GD_NONE && birth->source == trail->vertex);
 }

@@ -103,13 +103,30 @@ static struct gd__stop go_by_leg(struct gd__trail *trail, const struct gd__leg *
     return gd__stop_at_vertex(leg->from);
 }
 
+/* How an attempt at a path begins. */
+struct beginning {
+    double aside; /* of careful rays, see trail.h; 0: plain ones */
+    uint32_t via; /* first to this vertex of `face`; GD_NONE: by the leg */
+    uint32_t face;
+};
+
+static struct gd__stop go_from_beginning(struct gd__trail *trail, const struct gd_point *point,
+                                         const struct gd__leg *first, const struct beginning *beginning)
+{
+    if (beginning->via != GD_NONE) {
+        gd__trail_append_in_face(trail, gd__point_of_vertex(beginning->via), beginning->face);
+        return gd__stop_at_vertex(beginning->via);
+    }
+    return point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(trail, first);
+}
+
 /* *seed: the one in which the path ends. */
 static void trace_back(struct gd__trail *trail, const struct gd_point *point, const struct gd__leg *first,
-                       uint32_t *seed)
+                       const struct beginning *beginning, uint32_t *seed)
 {
     gd__trail_append(trail, *point, 0);
     if (trail->status) return; /* what follows looks at the last point */
-    struct gd__stop stop = point->kind == GD_POINT_VERTEX ? gd__stop_at(*point) : go_by_leg(trail, first);
+    struct gd__stop stop = go_from_beginning(trail, point, first, beginning);
     while (stop.kind != GD__STOP_SEED && !trail->status) {
         if (!trail->steps_left--) {
             gd__stop_failed(trail, GD_INTERNAL);
@@ -128,20 +145,20 @@ static void trace_back(struct gd__trail *trail, const struct gd_point *point, co
 
 /* --- the path ------------------------------------------------------------------------------------------------------------ */
 
-/* One attempt, with careful rays unless `aside` is 0; on success the path is the caller's, its length and the distance agree. */
+/* One attempt; on success the path is the caller's, its length and the distance agree. */
 static enum gd_status try_path(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
-                               double aside, struct gd_path *out, uint32_t *seed)
+                               const struct beginning *beginning, struct gd_path *out, uint32_t *seed)
 {
     const struct gd_mesh *mesh = field->mesh;
     struct gd__trail trail = {.field = field,
                               .mesh = mesh,
-                              .snap = aside > 0 ? 0 : GD_TOL_SNAP,
-                              .aside = aside,
+                              .snap = beginning->aside > 0 ? 0 : GD_TOL_SNAP,
+                              .aside = beginning->aside,
                               .vertex = GD_NONE,
                               .nearest = leg->distance,
                               .steps_left = 2 * ((uint64_t)mesh->edge_count + mesh->vertex_count) + 16};
     uint32_t end = 0;
-    trace_back(&trail, point, leg, &end);
+    trace_back(&trail, point, leg, beginning, &end);
     double offset = field->seeds[end].offset, slack = GD_TOL_CHECK * leg->distance + GD_TOL_BETTER;
     if (!trail.status && !(fabs(trail.path.length + offset - leg->distance) <= slack)) trail.status = GD_INTERNAL;
     if (trail.status) {
@@ -156,15 +173,38 @@ static enum gd_status try_path(const struct gd_field *field, const struct gd_poi
 
 enum { CAREFUL_ATTEMPTS = 7 };
 
+/* In faces as small as rounding a ray may turn in a circle. The way by a neighbour is as short there, if the
+ * length passes the check; a longer one does not. */
+static enum gd_status path_by_neighbours(const struct gd_field *field, const struct gd_point *point,
+                                         const struct gd__leg *leg, struct gd_path *out, uint32_t *seed)
+{
+    const struct gd_mesh *mesh = field->mesh;
+    enum gd_status status = GD_INTERNAL;
+    bool is_vertex = point->kind == GD_POINT_VERTEX;
+    uint32_t first = is_vertex ? mesh->fan_first[point->element] : 0,
+             end = is_vertex ? mesh->fan_first[point->element + 1] : 1;
+    for (uint32_t i = first; i < end && status == GD_INTERNAL; i++) {
+        struct beginning beginning = {.face = is_vertex ? mesh->side_face[mesh->fan[i].side] : leg->face};
+        for (int k = 0; k < 3 && status == GD_INTERNAL; k++) {
+            beginning.via = mesh->origin[mesh->face_side[beginning.face][k]];
+            bool is_far = field->distance[beginning.via] > leg->distance * (1 + GD_TOL_CHECK);
+            if (is_far || (is_vertex && beginning.via == point->element)) continue;
+            status = try_path(field, point, leg, &beginning, out, seed);
+        }
+    }
+    return status;
+}
+
 /* The path whose first leg is known. */
 static enum gd_status path_by_leg(const struct gd_field *field, const struct gd_point *point, const struct gd__leg *leg,
                                   struct gd_path *out, uint32_t *seed)
 {
-    enum gd_status status = try_path(field, point, leg, 0, out, seed);
-    double aside = GD_TOL_ASIDE_LEAST;
-    for (int i = 0; i < CAREFUL_ATTEMPTS && status == GD_INTERNAL; i++, aside *= GD_TOL_ASIDE_STEP)
-        status = try_path(field, point, leg, aside, out, seed);
-    return status;
+    struct beginning beginning = {.via = GD_NONE};
+    enum gd_status status = try_path(field, point, leg, &beginning, out, seed);
+    beginning.aside = GD_TOL_ASIDE_LEAST;
+    for (int i = 0; i < CAREFUL_ATTEMPTS && status == GD_INTERNAL; i++, beginning.aside *= GD_TOL_ASIDE_STEP)
+        status = try_path(field, point, leg, &beginning, out, seed);
+    return status == GD_INTERNAL ? path_by_neighbours(field, point, leg, out, seed) : status;
 }
 
 enum gd_status gd_field_path_to_seed(const struct gd_field *field, const struct gd_point *point, struct gd_path *out,
