@@ -99,10 +99,10 @@
 /* How far a caller's barycentrics may be from summing to one, or t from [0,1], before they are an error and not rounding. */
 #define GD_TOL_INPUT 1e-9
 
-/* A field that reaches less far than this part of the longest edge, or of a mesh with an edge shorter than
- * that part of it, is not resumed but built anew. */
+/* A field that reaches less far than this part of the longest edge is not resumed but built anew. So is one
+ * of a graded mesh: its shortest edge is less than that part of the longest one. */
 #define GD_TOL_COARSE_REACH 1e-3
-#define GD_TOL_COARSE_EDGE  1e-6
+#define GD_TOL_GRADED       1e-6
 
 /* A leg that crosses an edge within this part of it from where it would do so straight is straight: wedges' ends are stored to 2^-32. */
 #define GD_TOL_STRAIGHT 1e-9

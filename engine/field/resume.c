@@ -41,8 +41,8 @@ static bool has_little(const struct gd_field *partial)
 static bool is_coarse(const struct gd_field *partial)
 {
     const struct gd_mesh *mesh = partial->mesh;
-    double longest = mesh->summary.edge_length.max / mesh->unit, shortest = mesh->summary.edge_length.min / mesh->unit;
-    return partial->reach < GD_TOL_COARSE_REACH * longest || shortest < GD_TOL_COARSE_EDGE * longest;
+    return gd__mesh_is_graded(mesh) ||
+           partial->reach < GD_TOL_COARSE_REACH * mesh->summary.edge_length.max / mesh->unit;
 }
 
 static void add_statistics(struct gd_field_statistics *to, const struct gd_field_statistics *from)

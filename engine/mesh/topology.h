@@ -14,6 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/tolerance.h"
 #include "gd/locate.h"
 #include "gd/mesh.h"
 #include "gd/point.h"
@@ -135,6 +136,13 @@ static inline uint32_t gd__neighbour(const struct gd_mesh *mesh, uint32_t vertex
 static inline double gd__edge_rest(const struct gd_point *point)
 {
     return point->weight[1] > 0 ? point->weight[1] : 1 - point->weight[0];
+}
+
+/* Some edge is so much shorter than another that places on the longer one, as they are stored, do not tell
+ * the shorter one's ends apart well. */
+static inline bool gd__mesh_is_graded(const struct gd_mesh *mesh)
+{
+    return mesh->summary.edge_length.min < GD_TOL_GRADED * mesh->summary.edge_length.max;
 }
 
 /* The side that runs from vertex a to vertex b, or GD_NONE. Walks the fan of a. */

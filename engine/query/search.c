@@ -83,6 +83,28 @@ static enum gd_status turn(struct search *search, struct gd__guide *guide)
     return status;
 }
 
+/* Searches from the other end as well, and keeps the shorter of the two. On a graded mesh the rounding of
+ * windows may lose a path from one end; what is found is a path from either. */
+static enum gd_status run_turned(struct search *search, struct gd__guide *guide, const struct gd_control *control)
+{
+    struct gd_pair_answer first = *search->out;
+    double distance = search->distance;
+    bool was_turned = search->is_turned;
+    enum gd_status status = turn(search, guide);
+    search->is_turned = !was_turned;
+    *search->out = (struct gd_pair_answer){0};
+    if (!status) status = run(search, guide, distance * (1 + GD_TOL_BOUND), control);
+    if (!status && is_found(search) && search->distance < distance) {
+        gd_path_free(&first.path);
+        return GD_OK;
+    }
+    gd_path_free(&search->out->path);
+    *search->out = first;
+    search->distance = distance;
+    search->is_turned = was_turned;
+    return status == GD_INTERNAL ? GD_OK : status;
+}
+
 /* `upper` bounds the distance surely. The tether's length does so but for the rounding of many faces laid flat: nothing is lost if that was too much. */
 static enum gd_status run_bounded(struct search *search, struct gd__guide *guide, double upper,
                                   const struct gd_control *control)
@@ -99,7 +121,8 @@ static enum gd_status run_bounded(struct search *search, struct gd__guide *guide
         share.done = 3;
         status = run(search, guide, upper, &own);
     }
-    return status || is_found(search) ? status : GD_INTERNAL; /* lost on the way */
+    if (!status && !is_found(search)) status = GD_INTERNAL; /* lost on the way */
+    return !status && gd__mesh_is_graded(search->mesh) ? run_turned(search, guide, &own) : status;
 }
 
 static enum gd_status search_in(struct gd_workspace *work, struct search *search, const struct gd_landmarks *landmarks,
