@@ -163,9 +163,13 @@ static enum proto_problem_code code_of(enum gd_status status)
 
 static bool set_internal(struct proto_problem *problem, enum gd_status status)
 {
-    return proto_problem_set(problem, PROTO_PROBLEM_INTERNAL, "%s; please report it with the request",
-                             status == GD_RUNAWAY ? gd_status_sentence(status)
-                                                  : "a self-check failed and the answer was withheld");
+    return proto_problem_set(
+        problem, PROTO_PROBLEM_INTERNAL,
+        status == GD_RUNAWAY
+            ? "%s; please report it with the request"
+            : "%s and the answer was withheld: the mesh may have faces that are smaller or thinner than "
+              "rounding; upload it with ?weld=TOLERANCE to join them, or report the request",
+        gd_status_sentence(status));
 }
 
 bool proto_problem_from_status(struct proto_problem *problem, enum gd_status status, const struct gd_detail *detail)

@@ -9,7 +9,7 @@
  * In a face the distance is the least of those from several unfolded sources, so that an isoline is a chain of circular arcs, each about one of
  * them, and of straight pieces, each parallel to a segment; they meet on edges and on the bisectors of their sources. Lines are closed, or open with
  * both ends on the boundary. Seen from outside, what is nearer to the seeds than the level lies to the left of a line. Nothing here is sampled: an arc's
- * end has the level's distance to 1e-9 relative (1e-12 is usual). A line that is no longer than rounding is a point, not a line, and is left out: where
+ * end has the level's distance to 1e-9 relative (1e-14 is usual). A line that is no longer than rounding is a point, not a line, and is left out: where
  * the level is that of a local maximum, or zero. A ridge midway between two parallel segments has one height along a whole piece: a line at that
  * level goes there and back. */
 #ifndef GD_ISOLINE_H

@@ -9,7 +9,7 @@
  * Contract of the engine's whole surface: coordinates and distances are in the caller's length unit, angles in radians; faces run counter-
  * clockwise seen from outside; indices are zero-based; numbers are IEEE doubles. Vertices are named by their index in the input, faces by
  * their position after triangulation (a polygon's triangles stand together). "Exact" means: on the polyhedron itself, up to rounding, with
- * a relative error of distances of at most 1e-9 (1e-12 is usual).
+ * a relative error of distances of at most 1e-9 (1e-14 is usual).
  *
  * A mesh is immutable once built: any number of threads may read it. Counts of references are atomic. */
 #ifndef GD_MESH_H
