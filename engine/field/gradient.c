@@ -95,7 +95,7 @@ static struct direction from_close_seed(const struct gd_field *field, const stru
     struct gd__close close;
     double weight[3];
     gd__point_weights(field->mesh, point, leg->face, weight);
-    gd__close_find(field, leg->face, weight, GD__FAR, &close);
+    if (!gd__close_find(field, leg->face, weight, GD__FAR, &close)) return (struct direction){0};
     return (struct direction){close.side, close.way.x, close.way.y};
 }
 

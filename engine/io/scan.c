@@ -11,7 +11,7 @@
 struct gd__scan gd__scan_begin(const void *bytes, size_t size, struct gd_detail *detail)
 {
     struct gd__scan scan = {.begin = bytes, .at = bytes, .detail = detail};
-    scan.end = scan.begin + size;
+    scan.end = size ? scan.begin + size : scan.begin; /* an empty file may have no bytes to point to */
     if (size >= 3 && memcmp(bytes, "\xEF\xBB\xBF", 3) == 0) scan.at += 3;
     return scan;
 }
