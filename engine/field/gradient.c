@@ -117,6 +117,8 @@ enum gd_status gd_field_gradient(const struct gd_field *field, const struct gd_p
     if (leg.kind == GD__LEG_NONE) return GD_NOT_ON_SURFACE;
     struct direction direction = of_leg(field, &leg, point);
     if (direction.x == 0 && direction.y == 0) return GD_INVALID_ARGUMENT;
-    *out = in_space(field->mesh, &direction);
+    struct gd_vec3 gradient = in_space(field->mesh, &direction);
+    if (!isfinite(gd_vec3_length(gradient))) return GD_INVALID_ARGUMENT; /* too short a leg for its square */
+    *out = gradient;
     return GD_OK;
 }
