@@ -149,7 +149,10 @@ static bool is_stale(const struct gd__wavefront *front, const struct gd__windows
 static uint32_t drop_stale(const struct gd__wavefront *front, const struct gd__windows *w, uint32_t count,
                            double length)
 {
-    uint32_t kept = 0;
+    uint32_t vertices = front->mesh->vertex_count, older = 0, kept = 0;
+    for (uint32_t i = 0; i < count; i++)
+        older += w->source[i] < vertices && w->sigma[i] != front->distance[w->source[i]];
+    if (!older) return count;
     for (uint32_t i = 0; i < count; i++) {
         if (is_stale(front, w, i, length)) continue;
         struct gd__window window = gd__windows_get(w, i);
