@@ -28,7 +28,7 @@
     (TAKING_NS / SECOND_NS * BYTES_A_SECOND / 2) /* least that it takes meanwhile: acknowledgements come in lumps */
 #define LONG_BYTES   65536                       /* shorter answers are taken at once, or not in time */
 #define IDLE_NS      (30 * SECOND_NS)            /* between requests; not more than for an answer */
-#define SCARCE_PART 2                /* of the reserve: when fewer are free, any connection that waits may be cut */
+#define SCARCE_PART  2                /* of the reserve: when fewer are free, any connection that waits may be cut */
 #define RESERVE_PART 8                /* of all connections: so many are kept free */
 #define COMPLAINT_NS (60 * SECOND_NS) /* between two lines of the log about a shortage */
 

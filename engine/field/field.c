@@ -168,8 +168,7 @@ static enum gd_status build(const struct gd_mesh *mesh, const struct gd_field_re
 
 static enum gd_status build_somehow(const struct gd_mesh *mesh, const struct gd_field_request *request,
                                     bool without_wedges, const struct gd_control *control,
-                                    const struct gd_executor *executor, struct gd_field **out,
-                                    struct gd_detail *detail)
+                                    const struct gd_executor *executor, struct gd_field **out, struct gd_detail *detail)
 {
     const struct gd__methods methods[] = {
         {0}, {0}, {.no_coalescing = true}, {.no_cone = true}, {.no_coalescing = true, .no_filter = true}};

@@ -38,9 +38,9 @@ enum gd_status gd_pair_from_field(const struct gd_field *field, const struct gd_
 }
 
 /* Both ends' whole fields, one after the other: for a pair whose search has failed its own check. */
-static enum gd_status solve_by_fields(const struct gd_mesh *mesh, const struct gd_point *from, const struct gd_point *to,
-                                      enum gd_pair_wish wish, const struct gd_control *control,
-                                      struct gd_pair_answer *out)
+static enum gd_status solve_by_fields(const struct gd_mesh *mesh, const struct gd_point *from,
+                                      const struct gd_point *to, enum gd_pair_wish wish,
+                                      const struct gd_control *control, struct gd_pair_answer *out)
 {
     enum gd_status status = GD_INTERNAL;
     for (int end = 0; end < 2 && status == GD_INTERNAL; end++) {

@@ -18,8 +18,8 @@ static void anchor_face(const struct gd_mesh *mesh, const struct gd_point *point
     for (int k = 0; k < 3; k++) {
         uint32_t side = mesh->face_side[point->element][k];
         anchor->corner[k] = mesh->origin[side];
-        anchor->leg[k] = gd__local_length(
-            gd__side_local(&mesh->side[side], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]));
+        anchor->leg[k] =
+            gd__local_length(gd__side_local(&mesh->side[side], point->weight[(k + 1) % 3], point->weight[(k + 2) % 3]));
     }
 }
 
