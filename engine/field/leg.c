@@ -140,14 +140,29 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
     }
 }
 
-/* What a way through a wedge must be shorter by than a best way that is short for the face: the rounding
- * of places in the face. A point seed and a corner close by tell such a way better. */
-static inline double margin_of(const struct gd_field *field, uint32_t side, const struct gd__way *best)
+/* A point of a face and the point seed that a vertex has its distance from are both beside the vertex. */
+static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face, const double weight[3])
 {
-    double length = field->mesh->side[side].length;
+    uint32_t source = field->birth[vertex].source;
+    struct gd__polar polar;
+    const struct gd_point point = {GD_POINT_FACE, face, {weight[0], weight[1], weight[2]}};
+    if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source)) return false;
+    const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, source)];
+    return gd__polar_beside(field->mesh, &point, &polar) && polar.vertex == vertex &&
+           gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex;
+}
+
+/* What a way through a wedge must be shorter by than a best way that is short for the face: the rounding
+ * of places in the face. The way to a point seed close by has more digits, be it through a vertex that both
+ * are beside. Through another corner it may be too long by less than that. */
+static inline double margin_of(const struct gd_field *field, uint32_t face, const double weight[3],
+                               const struct gd__way *best)
+{
+    double length = field->mesh->side[field->mesh->face_side[face][0]].length;
     if (best->distance >= GD_TOL_BESIDE_VERTEX * length) return 0;
     bool is_line = best->kind == GD__LEG_SEED && field->seeds[best->from].is_segment;
-    return is_line ? 0 : GD_TOL_BETTER * length;
+    bool is_other = best->kind == GD__LEG_VERTEX && !are_beside(field, best->from, face, weight);
+    return is_line || is_other ? 0 : GD_TOL_BETTER * length;
 }
 
 static void best_in_face(const struct gd_field *field, uint32_t face, const double weight[3], struct gd__way *out)
@@ -160,7 +175,7 @@ static void best_in_face(const struct gd_field *field, uint32_t face, const doub
     double margin = 0;
     if (field->face_seed_count) {
         try_seeds(field, face, weight, &best);
-        margin = margin_of(field, view.side[0], &best);
+        margin = margin_of(field, face, weight, &best);
     }
     gd__sight_kernel *kernel = gd__sight_kernel_in_use(field->has_segments);
     struct gd__sight sights[SIGHTS];
