@@ -62,7 +62,7 @@ enum gd_status gd_vector_log(const struct gd_mesh *mesh, const struct gd_path *p
         return gd_fail(detail, status, "%s", gd_status_sentence(status));
     }
     log.vector.direction = log.count ? log.segments[0].direction : gd__turn_direction(mesh, path->points, 0);
-    for (uint32_t i = 0; i < log.count; i++) log.vector.length += log.segments[i].length;
+    if (log.count) log.vector.length = path->length; /* has digits that the flat parts have lost */
     *out = log;
     return GD_OK;
 }
