@@ -140,7 +140,8 @@ static void try_seeds(const struct gd_field *field, uint32_t face, const double 
     }
 }
 
-/* A point of a face and the point seed that a vertex has its distance from are both beside the vertex. */
+/* A point of a face is beside a vertex, and the point seed that the vertex has its distance from is beside
+ * it or at it. */
 static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t face, const double weight[3])
 {
     uint32_t source = field->birth[vertex].source;
@@ -148,8 +149,9 @@ static bool are_beside(const struct gd_field *field, uint32_t vertex, uint32_t f
     const struct gd_point point = {GD_POINT_FACE, face, {weight[0], weight[1], weight[2]}};
     if (source < field->mesh->vertex_count || source == GD_NONE || gd__source_is_linear(source)) return false;
     const struct gd__seed *seed = &field->seeds[gd__field_seed_of(field, source)];
-    return gd__polar_beside(field->mesh, &point, &polar) && polar.vertex == vertex &&
-           gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex;
+    if (!gd__polar_beside(field->mesh, &point, &polar) || polar.vertex != vertex) return false;
+    return seed->point.kind == GD_POINT_VERTEX ||
+           (gd__polar_beside(field->mesh, &seed->point, &polar) && polar.vertex == vertex);
 }
 
 /* What a way through a wedge must be shorter by than a best way that is short for the face: the rounding
