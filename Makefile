@@ -18,7 +18,7 @@ ROOMS   ?= base mesh io wedge field line query transport render cut nurbs subdiv
 ENGINE_C  := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.c))
 ENGINE_CC := $(foreach room,$(ROOMS),$(wildcard engine/$(room)/*.cc))
 PROTO_C   := $(wildcard proto/*.c)
-SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/handlers/*.c))
+SERVER_C  := $(filter-out server/main.c,$(wildcard server/*.c server/*/*.c server/*/*/*.c))
 no_main = $(filter-out %/main.c,$(foreach source,$(wildcard $(1)),$(if $(filter test_%,$(notdir $(source))),,$(source))))
 SAMPLES_C := $(call no_main,tests/samples/*.c)
 SUPPORT_C := $(call no_main,tests/support/*.c $(filter-out tests/oracle/cgal_%,$(wildcard tests/oracle/*.c)))
@@ -44,7 +44,7 @@ CLIENTS     := $(BUILD)/gd_client_scenario $(BUILD)/gd_client_example
 # Tests mirror the sources: tests/unit/<room>/test_<source>.c; each is a program.
 TEST_ENGINE := $(wildcard tests/unit/base/test_*.c) $(foreach room,$(filter-out base,$(ROOMS)),$(wildcard tests/unit/$(room)/test_*.c)) \
                $(wildcard tests/property/test_*.c tests/oracle/test_*.c tests/samples/test_*.c)
-TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c)
+TEST_SERVER := $(wildcard tests/unit/proto/test_*.c tests/unit/server/test_*.c tests/unit/server/*/test_*.c tests/unit/server/*/*/test_*.c)
 FUZZERS     := $(wildcard tests/fuzz/fuzz_*.c)
 
 program = $(patsubst %.c,$(BUILD)/%,$(1))
@@ -331,7 +331,7 @@ $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(call objects,tests/fuzz/re
 SELF := $(MAKE)
 
 # Each promise, with what is measured of it, in one table (tests/fault/table.py). ONLY=WORD: those that have it in their line.
-torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
+torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/access/test_sandbox ## each promise tested in its long form, and one table of what was measured (hours; ONLY=word)
 	@$(MAKE) --no-print-directory -j2 fuzz-build
 	@tests/fault/table.py --only "$(ONLY)" $(BUILD)/gd_alloc tests/fault/alloc.py "tests/fault/scarcity.py --calls 400" \
 	    "tests/fault/kill.py --loops 2000" "tests/fault/replay.py --step 1 --mixed 4" tests/fault/disk.py \
@@ -344,7 +344,7 @@ torture: build $(BUILD)/gd_load $(BUILD)/gd_alloc $(BUILD)/tests/unit/server/tes
 	    "a web page does not reach a daemon without keys | 403 | tests/api/run.py test_service" \
 	    "damage is found by the scrub, never served | 0 served | tests/api/run.py test_scrub" \
 	    "the sandbox holds | no rights but those listed | tests/api/run.py test_sandbox" \
-	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/test_sandbox" \
+	    "some 90 calls that reach beyond the daemon are refused in it | 0 succeed | $(BUILD)/tests/unit/server/access/test_sandbox" \
 	    "tests/fuzz/run.py --seconds 1000 $(foreach target,$(FUZZ_TARGETS),$(FUZZ_BUILD)/fuzz_$(target))" \
 	    "no data race | 0 reports | $(SELF) --no-print-directory tsan" "$(SELF) --no-print-directory coverage" \
 	    tests/cluster/routing.py tests/cluster/shared.py tests/cluster/capacity.py \

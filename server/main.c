@@ -9,13 +9,13 @@
 #include <unistd.h>
 
 #include "gd/cpu.h"
-#include "server/config.h"
-#include "server/keygen.h"
-#include "server/log.h"
-#include "server/sandbox.h"
+#include "server/config/config.h"
+#include "server/access/keygen.h"
+#include "server/base/log.h"
+#include "server/access/sandbox.h"
 #include "server/server.h"
-#include "server/store_tools.h"
-#include "server/version.h"
+#include "server/store/tools.h"
+#include "server/base/version.h"
 
 #define EXIT_USAGE 2
 

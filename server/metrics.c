@@ -8,15 +8,15 @@
 
 #include "gd/control.h"
 #include "gd/cpu.h"
-#include "server/access.h"
-#include "server/batches.h"
-#include "server/connections.h"
-#include "server/events.h"
-#include "server/jobs.h"
-#include "server/log.h"
-#include "server/scrub.h"
+#include "server/access/access.h"
+#include "server/jobs/batches.h"
+#include "server/http/connections.h"
+#include "server/http/events.h"
+#include "server/jobs/jobs.h"
+#include "server/base/log.h"
+#include "server/surfaces/scrub.h"
 #include "server/server.h"
-#include "server/version.h"
+#include "server/base/version.h"
 
 #define SHARDS     16
 #define CACHE_LINE 64

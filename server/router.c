@@ -5,11 +5,11 @@
 #include <string.h>
 #include <strings.h>
 
-#include "server/framing.h"
-#include "server/handlers/handlers.h"
-#include "server/handlers/request.h"
-#include "server/prefer.h"
-#include "server/reply.h"
+#include "server/http/framing.h"
+#include "server/query/handlers.h"
+#include "server/query/request.h"
+#include "server/http/prefer.h"
+#include "server/http/reply.h"
 #include "server/server.h"
 
 #define QUERY_BODY_LIMIT  (UINT64_C(1) << 20) /* bytes of a query's JSON */

@@ -2,7 +2,7 @@
 #ifndef SERVER_ROUTER_H
 #define SERVER_ROUTER_H
 
-#include "server/exchange.h"
+#include "server/http/exchange.h"
 
 /* After the headers: identifies, checks the framing, admits, finds the route, decides on the body. If it has
  * replied (response.status is set), a body that was announced is not to be read, and the connection is to be

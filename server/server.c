@@ -9,18 +9,18 @@
 #include <unistd.h>
 
 #include "gd/cpu.h"
-#include "server/access.h"
-#include "server/batches.h"
-#include "server/connections.h"
-#include "server/disk.h"
-#include "server/events.h"
-#include "server/field_store.h"
-#include "server/http.h"
-#include "server/jobs.h"
-#include "server/keeper.h"
-#include "server/scrub.h"
-#include "server/timekeeper.h"
-#include "server/tls.h"
+#include "server/access/access.h"
+#include "server/jobs/batches.h"
+#include "server/http/connections.h"
+#include "server/base/disk.h"
+#include "server/http/events.h"
+#include "server/surfaces/field_store.h"
+#include "server/http/http.h"
+#include "server/jobs/jobs.h"
+#include "server/surfaces/preloader.h"
+#include "server/surfaces/scrub.h"
+#include "server/work/deadlines.h"
+#include "server/http/tls.h"
 
 /* Arrays of so many bytes go back to the system when they are freed. glibc would raise the bound with the arrays' size, and keep what meshes and fields
  * leave behind: half of the budget again, after some hundred uploads. */

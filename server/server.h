@@ -18,17 +18,17 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "server/budget.h"
-#include "server/cache.h"
-#include "server/config.h"
-#include "server/discretizations.h"
-#include "server/guard.h"
-#include "server/landmarks.h"
-#include "server/loads.h"
+#include "server/work/budget.h"
+#include "server/fields/cache.h"
+#include "server/config/config.h"
+#include "server/surfaces/discretizations.h"
+#include "server/access/guard.h"
+#include "server/surfaces/landmarks.h"
+#include "server/surfaces/pending_loads.h"
 #include "server/metrics.h"
-#include "server/registry.h"
-#include "server/workers.h"
-#include "server/workspaces.h"
+#include "server/surfaces/registry.h"
+#include "server/work/workers.h"
+#include "server/work/workspaces.h"
 
 struct server_access;
 struct server_batches;

@@ -28,13 +28,13 @@ ROOM_OF_HEADER = {f"gd/{name}.h": room for room, names in PUBLIC.items() for nam
 
 # libraries, and the only files that may include them
 BOUNDARY = {
-    r"microhttpd\.h": ["server/http.c"],
-    r"jansson\.h": ["proto/*", "server/handlers/*"],
-    r"gnutls/.*": ["server/*.c"],
-    r"zlib\.h": ["server/*.c", "engine/render/png.c"],
-    r"seccomp\.h": ["server/seccomp.c"],
-    r"sqlite3\.h": ["server/store*.c"],
-    r"(postgresql/)?libpq-fe\.h": ["server/postgres*"],
+    r"microhttpd\.h": ["server/http/*"],
+    r"jansson\.h": ["proto/*", "server/query/*", "server/api/*/*"],
+    r"gnutls/.*": ["server/http/*", "server/base/*"],
+    r"zlib\.h": ["server/base/*", "engine/render/png.c"],
+    r"seccomp\.h": ["server/access/seccomp.c"],
+    r"sqlite3\.h": ["server/store/local/*"],
+    r"(postgresql/)?libpq-fe\.h": ["server/store/postgres/*"],
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]', re.M)

@@ -1,4 +1,4 @@
-"""The daemon in its sandbox, seen from outside. What a process in it can't do is tried by tests/unit/server/test_sandbox.c."""
+"""The daemon in its sandbox, seen from outside. What a process in it can't do is tried by tests/unit/server/access/test_sandbox.c."""
 import pathlib
 import platform
 import socket

@@ -22,7 +22,7 @@ SOURCES = ("v:0", "f:0:0.2,0.3,0.5")  # what the answers' fields are about
 
 
 def grid(cells):
-    """A square of that many unit cells a side: large enough to get landmarks (server/landmarks.c). Distances along its edges are whole numbers."""
+    """A square of that many unit cells a side: large enough to get landmarks (server/surfaces/landmarks.c). Distances along its edges are whole numbers."""
     row = cells + 1
     vertices = [f"v {i % row} {i // row} 0\n" for i in range(row * row)]
     corners = [i * row + k + 1 for i in range(cells) for k in range(cells)]

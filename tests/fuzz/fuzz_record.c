@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "server/record.h"
-#include "server/sha256.h"
+#include "server/store/record.h"
+#include "server/base/sha256.h"
 #include "tests/fuzz/promise.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -21,7 +21,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
-VERSION = re.search(r'SERVER_VERSION "(.*)"', (SOURCE / "server/version.h").read_text())[1]
+VERSION = re.search(r'SERVER_VERSION "(.*)"', (SOURCE / "server/base/version.h").read_text())[1]
 
 EXPECTED = {
     "geodesicd": {"/usr/bin/geodesicd", "/lib/systemd/system/geodesicd.service", "/etc/geodesicd/environment",

@@ -8,13 +8,13 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "server/events.h"
-#include "server/jobs.h"
-#include "server/registry.h"
-#include "server/reply.h"
+#include "server/http/events.h"
+#include "server/jobs/jobs.h"
+#include "server/surfaces/registry.h"
+#include "server/http/reply.h"
 #include "server/router.h"
 #include "server/server.h"
-#include "server/timekeeper.h"
+#include "server/work/deadlines.h"
 
 static struct server daemon_server;
 static sem_t daemon_finished;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "server/disk.h"
+#include "server/base/disk.h"
 
 #define FOLDER_PATH 256
 

@@ -4,8 +4,8 @@
 
 #include "support.h"
 
-#include "server/kind.h"
-#include "server/record.h"
+#include "server/surfaces/kind.h"
+#include "server/store/record.h"
 
 #define MESH_OPTIONS "format=obj&triangulate=true"
 

@@ -15,9 +15,9 @@
 #include <string.h>
 
 #include "gd/field.h"
-#include "server/cache.h"
-#include "server/exchange.h"
-#include "server/workers.h"
+#include "server/fields/cache.h"
+#include "server/http/exchange.h"
+#include "server/work/workers.h"
 #include "tests/samples/samples.h"
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])

@@ -1,5 +1,5 @@
 /* The way of an exchange through router, handlers and workers, without a network. */
-#include "daemon.h"
+#include "tests/unit/server/daemon.h"
 
 static int set_up(void **state)
 {

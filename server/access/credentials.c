@@ -1,0 +1,278 @@
+/* See credentials.h. */
+#include "server/access/credentials.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "server/base/disk.h"
+
+#define LINE_MOST  512
+#define BLANKS     " \t\r\n"
+#define NAME_BYTES "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
+
+struct server_credentials {
+    atomic_uint references;
+    uint32_t count, capacity;
+    struct server_credential *keys;
+};
+
+/* --- the form of values ------------------------------------------------------------------------------------------- */
+
+bool server_credentials_is_name(const char *text)
+{
+    size_t size = strlen(text);
+    return size > 0 && size < SERVER_CREDENTIAL_NAME && *text != '.' && *text != '-' &&
+           strspn(text, NAME_BYTES) == size;
+}
+
+bool server_credentials_parse_time(const char *text, int64_t *out)
+{
+    static const char *const forms[] = {"%Y-%m-%d", "%Y-%m-%dT%H:%M:%SZ"};
+    for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+        struct tm utc = {0};
+        const char *end = strptime(text, forms[i], &utc);
+        if (!end || *end) continue;
+        struct tm given = utc;
+        *out = timegm(&utc);
+        return utc.tm_mday == given.tm_mday && *out > 0; /* no 31st of February */
+    }
+    return false;
+}
+
+static bool parse_digest(const char *text, char out[SERVER_SHA256_HEX])
+{
+    static const char prefix[] = "sha256:";
+    if (strncmp(text, prefix, strlen(prefix)) != 0) return false;
+    text += strlen(prefix);
+    if (strlen(text) != SERVER_SHA256_HEX - 1 || strspn(text, "0123456789abcdef") != SERVER_SHA256_HEX - 1)
+        return false;
+    memcpy(out, text, SERVER_SHA256_HEX);
+    return true;
+}
+
+static bool parse_count(const char *text, uint32_t most, uint32_t *out)
+{
+    size_t digits = strspn(text, "0123456789");
+    if (digits == 0 || digits > 9 || text[digits]) return false;
+    *out = (uint32_t)strtoul(text, NULL, 10);
+    return *out >= 1 && *out <= most;
+}
+
+bool server_credentials_parse_role(const char *text, enum server_role *out)
+{
+    static const char *const names[] = {
+#define ROLE_NAME(NAME, name) #name,
+        SERVER_ROLES(ROLE_NAME)
+#undef ROLE_NAME
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(text, names[i]) != 0) continue;
+        *out = (enum server_role)i;
+        return true;
+    }
+    return false;
+}
+
+/* Nothing: the names of a daemon without keys. */
+static bool parse_tenant(const char *text, struct server_credential *key)
+{
+    if (*text && !server_credentials_is_name(text)) return false;
+    strcpy(key->tenant, text);
+    return true;
+}
+
+/* --- the file ----------------------------------------------------------------------------------------------------- */
+
+/* One reading of a file: where sentences go, and the line at hand. */
+struct reader {
+    const char *path;
+    unsigned line;
+    char *error;
+    size_t error_size;
+};
+
+__attribute__((format(printf, 2, 3))) static bool complain(const struct reader *reader, const char *format, ...)
+{
+    int size = snprintf(reader->error, reader->error_size, "%s:%u: ", reader->path, reader->line);
+    va_list arguments;
+    if (size < 0 || (size_t)size >= reader->error_size) return false;
+    va_start(arguments, format);
+    vsnprintf(reader->error + size, reader->error_size - (size_t)size, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* "role=write" */
+static bool read_setting(const struct reader *reader, char *word, struct server_credential *key)
+{
+    char *value = strchr(word, '=');
+    if (!value)
+        return complain(reader, "'%s' is no setting; write role=, tenant=, expires=, rate= or concurrent=", word);
+    *value++ = '\0';
+    if (strcmp(word, "role") == 0)
+        return server_credentials_parse_role(value, &key->role) ||
+               complain(reader, "a role is read, write or operator");
+    if (strcmp(word, "tenant") == 0)
+        return parse_tenant(value, key) || complain(reader, "a tenant has the form of a name");
+    if (strcmp(word, "expires") == 0)
+        return server_credentials_parse_time(value, &key->expires) ||
+               complain(reader, "'%s' is no time; write 2027-01-31 or 2027-01-31T12:00:00Z", value);
+    if (strcmp(word, "rate") == 0)
+        return parse_count(value, SERVER_LIMITS_RATE_MOST, &key->limits.rate) ||
+               complain(reader, "rate is a number of requests a second, 1 to %u", SERVER_LIMITS_RATE_MOST);
+    if (strcmp(word, "concurrent") == 0)
+        return parse_count(value, SERVER_LIMITS_CONCURRENT_MOST, &key->limits.concurrent) ||
+               complain(reader, "concurrent is a number of requests at once, 1 to %u", SERVER_LIMITS_CONCURRENT_MOST);
+    return complain(reader, "there is no setting '%s'; write role, tenant, expires, rate or concurrent", word);
+}
+
+/* Never shows a word of the line that might be a key itself. */
+static bool read_key(const struct reader *reader, char *line, struct server_credential *out)
+{
+    char *rest, *name = strtok_r(line, BLANKS, &rest), *digest = strtok_r(NULL, BLANKS, &rest);
+    if (!server_credentials_is_name(name))
+        return complain(reader, "a name has 1 to %d letters, digits, '_' or, not at its start, '-' and '.'",
+                        SERVER_CREDENTIAL_NAME - 1);
+    strcpy(out->name, name);
+    strcpy(out->tenant, name);
+    if (!digest || !parse_digest(digest, out->sha256))
+        return complain(reader, "after the name stands sha256: with 64 hexadecimal digits, as geodesicd keygen prints");
+    for (char *word; (word = strtok_r(NULL, BLANKS, &rest));)
+        if (!read_setting(reader, word, out)) return false;
+    return true;
+}
+
+static const struct server_credential *find_name(const struct server_credentials *keys, const char *name)
+{
+    for (uint32_t i = 0; keys && i < keys->count; i++)
+        if (strcmp(keys->keys[i].name, name) == 0) return &keys->keys[i];
+    return NULL;
+}
+
+static bool is_new(const struct reader *reader, const struct server_credentials *keys,
+                   const struct server_credential *key)
+{
+    for (uint32_t i = 0; i < keys->count; i++) {
+        if (strcmp(keys->keys[i].name, key->name) == 0)
+            return complain(reader, "the name '%s' stands twice", key->name);
+        if (strcmp(keys->keys[i].sha256, key->sha256) == 0)
+            return complain(reader, "'%s' and '%s' are the same key", keys->keys[i].name, key->name);
+    }
+    return true;
+}
+
+static bool grow(struct server_credentials *keys)
+{
+    if (keys->count < keys->capacity) return true;
+    uint32_t capacity = keys->capacity ? 2 * keys->capacity : 16;
+    struct server_credential *more = realloc(keys->keys, capacity * sizeof *more);
+    if (!more) return false;
+    keys->keys = more;
+    keys->capacity = capacity;
+    return true;
+}
+
+static bool add(const struct reader *reader, struct server_credentials *keys, const struct server_credential *key,
+                const struct server_credentials *before)
+{
+    const struct server_credential *known = find_name(before, key->name);
+    if (!is_new(reader, keys, key)) return false;
+    if (keys->count == SERVER_CREDENTIALS_MOST)
+        return complain(reader, "there are more than %d keys", SERVER_CREDENTIALS_MOST);
+    struct server_quota *quota = known ? server_quota_retain(known->quota) : server_quota_create();
+    if (!quota || !grow(keys)) {
+        server_quota_release(quota);
+        return complain(reader, "the system is out of memory");
+    }
+    keys->keys[keys->count] = *key;
+    keys->keys[keys->count++].quota = quota;
+    return true;
+}
+
+static bool read_lines(struct reader *reader, FILE *file, struct server_credentials *keys,
+                       const struct server_credentials *before)
+{
+    char line[LINE_MOST];
+    while (fgets(line, sizeof line, file)) {
+        struct server_credential key = {.role = SERVER_ROLE_READ};
+        reader->line++;
+        if (!strchr(line, '\n') && !feof(file)) return complain(reader, "the line is too long");
+        line[strcspn(line, "#")] = '\0';
+        if (!line[strspn(line, BLANKS)]) continue;
+        if (!read_key(reader, line, &key) || !add(reader, keys, &key, before)) return false;
+    }
+    if (ferror(file)) return complain(reader, "it can't be read: %s", strerror(errno));
+    return keys->count > 0 || complain(reader, "the file holds no key; geodesicd keygen makes one");
+}
+
+struct server_credentials *server_credentials_load(const char *path, const struct server_credentials *before,
+                                                   char *error, size_t error_size)
+{
+    struct reader reader = {.path = path, .error = error, .error_size = error_size};
+    struct server_credentials *keys = calloc(1, sizeof *keys);
+    int descriptor = keys ? server_disk_open(path) : -1;
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
+    if (!file) {
+        snprintf(error, error_size, "the keys of '%s' can't be read: %s", path, server_disk_why());
+        if (descriptor >= 0) close(descriptor);
+        free(keys);
+        return NULL;
+    }
+    atomic_init(&keys->references, 1);
+    bool ok = read_lines(&reader, file, keys, before);
+    fclose(file);
+    if (ok) return keys;
+    server_credentials_release(keys);
+    return NULL;
+}
+
+/* --- the set ------------------------------------------------------------------------------------------------------ */
+
+struct server_credentials *server_credentials_retain(struct server_credentials *keys)
+{
+    atomic_fetch_add_explicit(&keys->references, 1, memory_order_relaxed);
+    return keys;
+}
+
+void server_credentials_release(struct server_credentials *keys)
+{
+    if (!keys || atomic_fetch_sub(&keys->references, 1) != 1) return;
+    for (uint32_t i = 0; i < keys->count; i++) server_quota_release(keys->keys[i].quota);
+    free(keys->keys);
+    free(keys);
+}
+
+uint32_t server_credentials_count(const struct server_credentials *keys)
+{
+    return keys->count;
+}
+
+const struct server_credential *server_credentials_at(const struct server_credentials *keys, uint32_t index)
+{
+    return &keys->keys[index];
+}
+
+/* No byte is looked at for what another was. */
+static bool is_same_digest(const char a[SERVER_SHA256_HEX], const char b[SERVER_SHA256_HEX])
+{
+    volatile unsigned char difference = 0;
+    for (int i = 0; i < SERVER_SHA256_HEX; i++) difference |= (unsigned char)(a[i] ^ b[i]);
+    return difference == 0;
+}
+
+const struct server_credential *server_credentials_find(const struct server_credentials *keys, const char *text,
+                                                        size_t size)
+{
+    char sha256[SERVER_SHA256_HEX];
+    const struct server_credential *found = NULL;
+    server_sha256(text, size, sha256);
+    for (uint32_t i = 0; i < keys->count; i++)
+        if (is_same_digest(keys->keys[i].sha256, sha256)) found = &keys->keys[i];
+    return found;
+}

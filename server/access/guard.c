@@ -1,0 +1,86 @@
+/* See guard.h. */
+#include "server/access/guard.h"
+
+#include <arpa/inet.h>
+#include <ctype.h>
+#include <string.h>
+#include <strings.h>
+
+/* Copies the host of "host", "host:port", "[v6]" or "[v6]:port" without brackets and port. False when it is none
+ * of these. */
+static bool read_host(const char *text, char host[SERVER_CONFIG_NAME])
+{
+    const char *start = text, *end, *rest;
+    if (*text == '[') {
+        start = text + 1;
+        end = strchr(start, ']');
+        if (!end) return false;
+        rest = end + 1;
+    } else {
+        rest = end = text + strcspn(text, ":");
+    }
+    size_t size = (size_t)(end - start);
+    if (size == 0 || size >= SERVER_CONFIG_NAME) return false;
+    if (*rest && (*rest != ':' || strspn(rest + 1, "0123456789") != strlen(rest + 1))) return false;
+    memcpy(host, start, size);
+    host[size] = '\0';
+    return true;
+}
+
+static bool is_loopback(const char *host)
+{
+    struct in_addr v4;
+    struct in6_addr v6;
+    if (strcasecmp(host, "localhost") == 0 || strcmp(host, "127.0.0.1") == 0) return true;
+    if (inet_pton(AF_INET, host, &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+    return inet_pton(AF_INET6, host, &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+static bool has_keys(const struct server_config *config)
+{
+    return *config->keys;
+}
+
+static bool is_listed(const struct server_config_list *list, const char *text)
+{
+    for (uint32_t i = 0; i < list->count; i++)
+        if (strcasecmp(text, list->name[i]) == 0) return true;
+    return false;
+}
+
+static bool is_allowed(const struct server_config *config, const char *text)
+{
+    char host[SERVER_CONFIG_NAME];
+    if (!read_host(text, host)) return false;
+    if (is_loopback(host) || (has_keys(config) && !config->allowed_hosts.count)) return true;
+    return is_listed(&config->allowed_hosts, host);
+}
+
+bool server_guard_lists(const struct server_guard *guard, const char *origin)
+{
+    return origin && is_listed(&guard->config->cors_origins, origin);
+}
+
+/* A page of ours has an origin whose host and port are those that the request was sent to. */
+static bool is_own_origin(const char *origin, const char *host)
+{
+    const char *authority = strstr(origin, "://");
+    return authority && host && strcasecmp(authority + 3, host) == 0;
+}
+
+bool server_guard_admit(const struct server_guard *guard, const struct server_guard_request *request,
+                        struct proto_problem *problem)
+{
+    if (!request->host && !request->is_http10)
+        return proto_problem_set(problem, PROTO_PROBLEM_INVALID_REQUEST, "send a Host header");
+    if (request->host && !is_allowed(guard->config, request->host))
+        return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
+                                 "the Host header names neither this machine nor a host that --allowed-host lists");
+    if (server_guard_lists(guard, request->origin)) return true;
+    if (request->origin && !is_own_origin(request->origin, request->host))
+        return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN,
+                                 "pages of another origin can't use this service unless --cors-origin lists it");
+    if (!has_keys(guard->config) && request->fetch_site && strcasecmp(request->fetch_site, "cross-site") == 0)
+        return proto_problem_set(problem, PROTO_PROBLEM_FORBIDDEN, "pages of another site can't use this service");
+    return true;
+}

@@ -1,0 +1,72 @@
+/* See limits.h. */
+#include "server/access/limits.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+#define SECOND_NS UINT64_C(1000000000)
+
+struct server_quota *server_quota_create(void)
+{
+    struct server_quota *quota = calloc(1, sizeof *quota);
+    if (quota) atomic_init(&quota->references, 1);
+    return quota;
+}
+
+struct server_quota *server_quota_retain(struct server_quota *quota)
+{
+    atomic_fetch_add_explicit(&quota->references, 1, memory_order_relaxed);
+    return quota;
+}
+
+void server_quota_release(struct server_quota *quota)
+{
+    if (quota && atomic_fetch_sub(&quota->references, 1) == 1) free(quota);
+}
+
+static bool take_place(struct server_quota *quota, uint32_t most)
+{
+    unsigned entered = atomic_load(&quota->entered);
+    do {
+        if (most && entered >= most) return false;
+    } while (!atomic_compare_exchange_weak(&quota->entered, &entered, entered + 1));
+    return true;
+}
+
+/* Takes a token, which the bucket has again an interval later. */
+static bool take_token(struct server_quota *quota, uint32_t rate, uint64_t now_ns, uint64_t *wait_ns)
+{
+    const uint64_t interval = SECOND_NS / rate, depth = interval * rate;
+    uint64_t full = atomic_load(&quota->full_ns), next;
+    do {
+        next = (full > now_ns ? full : now_ns) + interval;
+        if (next - now_ns > depth) {
+            *wait_ns = next - now_ns - depth;
+            return false;
+        }
+    } while (!atomic_compare_exchange_weak(&quota->full_ns, &full, next));
+    return true;
+}
+
+static enum server_quota_outcome refuse(struct server_quota *quota, enum server_quota_outcome why)
+{
+    atomic_fetch_add_explicit(&quota->refusals[why], 1, memory_order_relaxed);
+    return why;
+}
+
+/* The place first: a request that finds none uses no token. */
+enum server_quota_outcome server_quota_enter(struct server_quota *quota, const struct server_limits *limits,
+                                             uint64_t now_ns, uint64_t *wait_ns)
+{
+    *wait_ns = 0;
+    atomic_fetch_add_explicit(&quota->requests, 1, memory_order_relaxed);
+    if (!take_place(quota, limits->concurrent)) return refuse(quota, SERVER_QUOTA_CONCURRENT);
+    if (!limits->rate || take_token(quota, limits->rate, now_ns, wait_ns)) return SERVER_QUOTA_ENTERED;
+    server_quota_leave(quota);
+    return refuse(quota, SERVER_QUOTA_RATE);
+}
+
+void server_quota_leave(struct server_quota *quota)
+{
+    atomic_fetch_sub(&quota->entered, 1);
+}

@@ -1,0 +1,41 @@
+/* Limits: how often, and how many at once. A quota counts what one key has used of its limits.
+ *
+ * A rate of r a second is a bucket of r tokens, or of one, that fills at that rate: GCRA, kept as the time at which the bucket
+ * is full again, so that a request is one compare-and-swap. (ATM Forum, Traffic Management 4.0, 4.4.2.) */
+#ifndef SERVER_ACCESS_LIMITS_H
+#define SERVER_ACCESS_LIMITS_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#define SERVER_LIMITS_RATE_MOST       1000000u
+#define SERVER_LIMITS_CONCURRENT_MOST 1000000u
+
+struct server_limits { /* 0: no limit */
+    uint32_t rate;     /* requests a second */
+    uint32_t concurrent;
+};
+
+enum server_quota_outcome { SERVER_QUOTA_ENTERED, SERVER_QUOTA_RATE, SERVER_QUOTA_CONCURRENT };
+
+/* What has been used; all zero: nothing. Counted: it outlives the key whose it is, by the requests under way. */
+struct server_quota {
+    atomic_uint references;
+    atomic_uint entered;               /* requests under way */
+    atomic_uint_least64_t full_ns;     /* when the bucket is full again */
+    atomic_uint_least64_t requests;    /* since the start, for the metrics; refused ones included */
+    atomic_uint_least64_t refusals[3]; /* by what refused them, an enum server_quota_outcome */
+    atomic_uint_least64_t forbidden;   /* requests that the role does not allow */
+};
+
+/* One reference; NULL without memory. */
+struct server_quota *server_quota_create(void);
+struct server_quota *server_quota_retain(struct server_quota *quota);
+void server_quota_release(struct server_quota *quota); /* NULL is harmless */
+
+/* Counts a request at `now_ns`. Once entered, it is to leave; else `*wait_ns` is how long to wait, 0: nobody knows. Thread-safe. */
+enum server_quota_outcome server_quota_enter(struct server_quota *quota, const struct server_limits *limits,
+                                             uint64_t now_ns, uint64_t *wait_ns);
+void server_quota_leave(struct server_quota *quota);
+
+#endif

@@ -1,0 +1,98 @@
+/* What the daemon says about itself, and its static pages. */
+#include "server/query/handlers.h"
+
+#include "proto/service.h"
+#include "server/jobs/batches.h"
+#include "server/query/request.h"
+#include "server/http/reply.h"
+#include "server/server.h"
+
+#define ANSWER_MOST ((size_t)16 << 20) /* bytes */
+#include "server/base/version.h"
+
+static void reply_asset(struct server_exchange *exchange, const char *path)
+{
+    const struct proto_asset *asset = proto_asset_find(proto_assets, proto_asset_count, path);
+    if (asset)
+        server_reply_asset(exchange, asset);
+    else
+        server_reply_refusal(exchange, PROTO_PROBLEM_NOT_FOUND, "this build of the program holds no %s", path);
+}
+
+/* A page's parameters are for its scripts. */
+void server_handle_get_viewer(struct server_exchange *exchange)
+{
+    reply_asset(exchange, "/");
+}
+
+void server_handle_get_openapi(struct server_exchange *exchange)
+{
+    if (server_request_is_plain(exchange)) reply_asset(exchange, "/openapi.json");
+}
+
+static void reply_health(struct server_exchange *exchange, unsigned status, enum proto_health health,
+                         const char *reason)
+{
+    struct proto_writer writer;
+    proto_writer_init(&writer, ANSWER_MOST);
+    proto_health_encode(&writer, health, reason);
+    server_reply_json(exchange, status, &writer);
+}
+
+void server_handle_get_livez(struct server_exchange *exchange)
+{
+    if (server_request_is_plain(exchange)) reply_health(exchange, 200, PROTO_HEALTH_OK, NULL);
+}
+
+/* A store that takes no changes leaves the daemon ready, since queries are answered as before; so does a shared one that is out of
+ * reach: it is so for the other daemons, too, and what is in memory can be asked about. */
+void server_handle_get_readyz(struct server_exchange *exchange)
+{
+    const char *reason = server_registry_health(exchange->server->registry);
+    if (!reason) reason = server_batches_health(exchange->server->batches);
+    if (!server_request_is_plain(exchange)) return;
+    if (atomic_load(&exchange->server->draining)) {
+        server_reply_header(exchange, "Retry-After", "1");
+        reply_health(exchange, 503, PROTO_HEALTH_DRAINING, NULL);
+    } else {
+        enum proto_health broken =
+            server_registry_is_shared(exchange->server->registry) ? PROTO_HEALTH_DEGRADED : PROTO_HEALTH_READ_ONLY;
+        reply_health(exchange, 200, reason ? broken : PROTO_HEALTH_OK, reason);
+    }
+}
+
+/* Numbers of all tenants are for the operator, wherever the request comes from: behind a proxy
+ * every client is of this machine. */
+void server_handle_get_metrics(struct server_exchange *exchange)
+{
+    struct server *server = exchange->server;
+    struct proto_writer writer;
+    if (!server_request_is_plain(exchange)) return;
+    proto_writer_init(&writer, ANSWER_MOST);
+    if (server_grant_is_operator(&exchange->grant))
+        server_metrics_write(server->metrics, server, &writer);
+    else
+        server_metrics_write_tenant(server, exchange->tenant, &writer);
+    server_reply_text(exchange, 200, "text/plain; version=0.0.4; charset=utf-8", &writer);
+}
+
+void server_handle_get_service(struct server_exchange *exchange)
+{
+    const struct server_config *config = &exchange->server->config;
+    const struct proto_service service = {
+        .version = SERVER_VERSION,
+        .limits = {.max_body_bytes = config->max_body,
+                   .max_faces = config->max_faces,
+                   .timeout_ms = config->timeout_ms,
+                   .memory_budget_bytes = config->memory_budget,
+                   .max_answer_bytes = exchange->server->budget.largest_answer,
+                   .workers = config->workers},
+        .routes = proto_routes,
+        .route_count = proto_route_count,
+    };
+    struct proto_writer writer;
+    if (!server_reply_accepts_json(exchange) || !server_request_is_plain(exchange)) return;
+    proto_writer_init(&writer, ANSWER_MOST);
+    proto_service_encode(&writer, &service);
+    server_reply_json(exchange, 200, &writer);
+}

@@ -1,0 +1,131 @@
+/* Meshes: what they have besides what all surfaces have (surfaces.c): the file that they can be sent back as. */
+#include "server/query/handlers.h"
+
+#include <stdlib.h>
+
+#include "gd/io.h"
+#include "proto/page.h"
+#include "server/api/surfaces/description.h"
+#include "server/query/request.h"
+#include "server/http/reply.h"
+#include "server/server.h"
+
+/* Upper bound of the bytes of polygons and text together: a double is at most 25 characters, an index 11. */
+static size_t content_cost(const struct gd_mesh *mesh)
+{
+    const struct gd_mesh_summary *summary = gd_mesh_summary(mesh);
+    return (size_t)summary->index_count * (24 + 2 * 80) + (size_t)summary->faces * (16 + 2 * 40) + 4096;
+}
+
+struct content {
+    struct server_surface *surface;
+    enum gd_format format;
+};
+
+static void free_content(void *state)
+{
+    struct content *content = state;
+    server_surface_release(content->surface);
+    free(content);
+}
+
+static enum gd_status write_content(const struct content *content, char **bytes, size_t *size)
+{
+    struct gd_polygons polygons;
+    enum gd_status status = gd_mesh_polygons(content->surface->mesh, &polygons);
+    if (status) return status;
+    status = gd_write_polygons(&polygons, content->format, bytes, size);
+    gd_polygons_free(&polygons);
+    return status;
+}
+
+static bool send_content(struct server_exchange *exchange)
+{
+    const struct content *content = exchange->state;
+    struct server_budget *budget = &exchange->server->budget;
+    size_t cost = content_cost(content->surface->mesh), size;
+    struct proto_problem problem;
+    char *bytes;
+    if (!server_budget_take(budget, SERVER_BUDGET_FLIGHT, cost)) {
+        server_budget_refuse(budget, "the file", cost, &problem);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    exchange->held = cost;
+    enum gd_status status = write_content(content, &bytes, &size);
+    if (status) {
+        proto_problem_from_status(&problem, status, NULL);
+        server_reply_problem(exchange, &problem);
+        return true;
+    }
+    server_budget_adjust(budget, SERVER_BUDGET_FLIGHT, cost, size);
+    exchange->held = size;
+    server_description_tag(exchange, content->surface->record);
+    server_reply_header(exchange, "Vary", "Accept");
+    server_reply_header(exchange, "Content-Disposition", "attachment; filename=\"%s.%s\"",
+                        content->surface->record->name, gd_format_name(content->format));
+    server_reply_bytes(exchange, 200, gd_format_media_type(content->format), bytes, size);
+    return true;
+}
+
+/* Replies without the file when the client has it already, so that it need not be written, or even loaded. */
+static bool is_known(struct server_exchange *exchange)
+{
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    struct server_listed listed;
+    if (!precondition.if_none_match[0]) return false;
+    if (!server_request_record(exchange, &listed)) return true;
+    bool is_same = server_precondition_known(&precondition, listed.record->etag);
+    if (is_same) {
+        server_description_tag(exchange, listed.record);
+        server_reply_header(exchange, "Vary", "Accept, Accept-Encoding");
+        server_reply_empty(exchange, 304);
+    }
+    server_listed_release(&listed);
+    return is_same;
+}
+
+void server_handle_get_mesh_content(struct server_exchange *exchange)
+{
+    struct proto_parameters parameters = server_exchange_parameters(exchange);
+    struct proto_problem problem;
+    enum gd_format format;
+    if (!proto_mesh_content_format(&parameters, server_exchange_header(exchange, "Accept"), &format, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    if (is_known(exchange)) return;
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    struct content *content = malloc(sizeof *content);
+    if (!content) {
+        server_surface_release(surface);
+        server_request_fail(exchange, SERVER_STORE_NO_MEMORY);
+        return;
+    }
+    *content = (struct content){surface, format};
+    server_exchange_keep(exchange, content, free_content);
+    server_exchange_defer(exchange, send_content, NULL);
+}
+
+/* --- boundaries --------------------------------------------------------------------------------------------------- */
+
+void server_handle_list_boundaries(struct server_exchange *exchange)
+{
+    struct proto_problem problem;
+    struct proto_writer writer;
+    struct proto_page page;
+    int64_t after;
+    if (!server_reply_accepts_json(exchange) || !server_request_page(exchange, &page)) return;
+    if (!proto_page_number(&page, &after, &problem)) {
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    struct server_surface *surface = server_request_surface(exchange);
+    if (!surface) return;
+    server_reply_writer(exchange, &writer);
+    proto_boundaries_encode(&writer, surface->mesh, after, page.limit);
+    server_description_tag(exchange, surface->record);
+    server_reply_json(exchange, 200, &writer);
+    server_surface_release(surface);
+}

@@ -1,0 +1,73 @@
+/* See inflate.h. */
+#include "server/base/inflate.h"
+
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <zlib.h>
+
+#define GZIP_WINDOW 31 /* the largest window, with a gzip header */
+#define PIECE       16384
+#define FREE_BYTES  (UINT64_C(1) << 20) /* whose ratio does not count: text of a few numbers packs well */
+
+struct server_inflater {
+    z_stream stream;
+    bool is_whole; /* between two members */
+    uint64_t in, out;
+};
+
+struct server_inflater *server_inflater_create(void)
+{
+    struct server_inflater *inflater = calloc(1, sizeof *inflater);
+    if (inflater && inflateInit2(&inflater->stream, GZIP_WINDOW) == Z_OK) return inflater;
+    free(inflater);
+    return NULL;
+}
+
+void server_inflater_destroy(struct server_inflater *inflater)
+{
+    if (!inflater) return;
+    inflateEnd(&inflater->stream);
+    free(inflater);
+}
+
+/* One step of zlib, whose output goes into `piece`. */
+static enum server_inflate_outcome step(struct server_inflater *inflater, unsigned char piece[PIECE], size_t *size)
+{
+    z_stream *stream = &inflater->stream;
+    if (inflater->is_whole && inflateReset(stream) != Z_OK) return SERVER_INFLATE_DAMAGED;
+    inflater->is_whole = false;
+    uInt before = stream->avail_in;
+    stream->next_out = piece;
+    stream->avail_out = PIECE;
+    int status = inflate(stream, Z_NO_FLUSH);
+    inflater->is_whole = status == Z_STREAM_END;
+    inflater->in += before - stream->avail_in;
+    *size = PIECE - stream->avail_out;
+    inflater->out += *size;
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) return SERVER_INFLATE_DAMAGED;
+    bool is_bomb = inflater->out > FREE_BYTES && inflater->out / SERVER_INFLATE_RATIO > inflater->in;
+    return is_bomb ? SERVER_INFLATE_RATIO_PASSED : SERVER_INFLATE_OK;
+}
+
+enum server_inflate_outcome server_inflate(struct server_inflater *inflater, const void *bytes, size_t size,
+                                           bool (*take)(void *user, const void *bytes, size_t size), void *user)
+{
+    unsigned char piece[PIECE];
+    size_t unpacked = PIECE;
+    if (size > UINT_MAX) return SERVER_INFLATE_DAMAGED;
+    inflater->stream.next_in = (Bytef *)bytes;
+    inflater->stream.avail_in = (uInt)size;
+    while (inflater->stream.avail_in ||
+           (unpacked == PIECE && !inflater->is_whole)) { /* a full piece: there may be more */
+        enum server_inflate_outcome outcome = step(inflater, piece, &unpacked);
+        if (outcome != SERVER_INFLATE_OK) return outcome;
+        if (unpacked && !take(user, piece, unpacked)) return SERVER_INFLATE_STOPPED;
+    }
+    return SERVER_INFLATE_OK;
+}
+
+bool server_inflater_is_whole(const struct server_inflater *inflater)
+{
+    return inflater->is_whole;
+}

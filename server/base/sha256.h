@@ -1,0 +1,24 @@
+/* SHA-256, of a buffer or of what comes piece by piece. */
+#ifndef SERVER_BASE_SHA256_H
+#define SERVER_BASE_SHA256_H
+
+#include <stddef.h>
+
+#include "gd/control.h"
+
+#define SERVER_SHA256_HEX 65 /* with the NUL */
+
+/* Lower-case hexadecimal. */
+void server_sha256(const void *bytes, size_t size, char hex[SERVER_SHA256_HEX]);
+
+/* The same, until a deadline or a cancel. GD_NO_MEMORY. */
+GD_MUST_USE enum gd_status server_sha256_within(const void *bytes, size_t size, const struct gd_control *control,
+                                                char hex[SERVER_SHA256_HEX]);
+
+/* The same of pieces, one after the other. NULL without memory. */
+struct server_sha256;
+struct server_sha256 *server_sha256_begin(void);
+void server_sha256_add(struct server_sha256 *sum, const void *bytes, size_t size);
+void server_sha256_end(struct server_sha256 *sum, char hex[SERVER_SHA256_HEX]); /* frees it */
+
+#endif

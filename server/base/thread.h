@@ -1,0 +1,35 @@
+/* Thread: one that does something now and then, until it is stopped.
+ *
+ *     static void run(void *user, struct server_thread *thread)
+ *     {
+ *         while (server_thread_pause(thread, SECOND_NS)) look_after(user);
+ *     }
+ *
+ * A wake is never lost: one that comes while the thread is at work ends its next pause. */
+#ifndef SERVER_BASE_THREAD_H
+#define SERVER_BASE_THREAD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SERVER_THREAD_FOREVER UINT64_MAX
+
+struct server_thread;
+
+/* Starts a thread that calls `run` once. NULL without memory or thread. */
+struct server_thread *server_thread_start(void (*run)(void *user, struct server_thread *thread), void *user);
+
+/* For `run`: waits until the thread is woken, or so many nanoseconds have passed on the monotonic clock. False, at
+ * once, when `run` is to return. */
+bool server_thread_pause(struct server_thread *thread, uint64_t ns);
+
+/* The same, but a wake doesn't end it: it ends the next pause. */
+bool server_thread_sleep(struct server_thread *thread, uint64_t ns);
+
+/* By any thread. */
+void server_thread_wake(struct server_thread *thread);
+
+/* Ends the pauses, waits for `run` to return, and frees. NULL is harmless. */
+void server_thread_stop(struct server_thread *thread);
+
+#endif

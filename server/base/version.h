@@ -1,0 +1,7 @@
+/* Version: what --version, GET /v1 and the metrics say. */
+#ifndef SERVER_BASE_VERSION_H
+#define SERVER_BASE_VERSION_H
+
+#define SERVER_VERSION "0.1.0"
+
+#endif

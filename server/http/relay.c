@@ -1,0 +1,183 @@
+/* See relay.h. */
+#include "server/http/relay.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "proto/writer.h"
+#include "server/http/events.h"
+#include "server/base/gzip.h"
+#include "server/http/reply.h"
+#include "server/server.h"
+
+#define MESSAGE_MOST 32768 /* bytes that are taken at a time: less than a stream's message may have */
+
+struct server_relay {
+    struct server *server;
+    atomic_uint references;
+    pthread_mutex_t lock;
+    struct proto_writer waiting;
+    size_t taken;                    /* bytes of its front that are with the client */
+    const struct server_job *parked; /* the writer's; NULL: it has never been */
+    struct server_packer *packer;    /* NULL: the text goes as it is */
+    bool is_ended, is_whole;         /* by the writer */
+    atomic_bool is_over;
+    atomic_uint_least64_t version; /* changes with every byte that can be taken */
+};
+
+/* --- life --------------------------------------------------------------------------------------------------------- */
+
+struct server_relay *server_relay_create(struct server *server, bool is_packed)
+{
+    struct server_relay *relay = calloc(1, sizeof *relay);
+    if (!relay) return NULL;
+    relay->server = server;
+    relay->references = 1;
+    pthread_mutex_init(&relay->lock, NULL);
+    proto_writer_init(&relay->waiting, server->budget.largest_answer + SERVER_RELAY_MOST);
+    relay->waiting.account = &server->budget.answers;
+    proto_writer_expect(&relay->waiting, SERVER_RELAY_MOST);
+    if (is_packed) relay->packer = server_packer_create();
+    if (!relay->waiting.failure && (!is_packed || relay->packer)) return relay;
+    server_relay_release(relay);
+    return NULL;
+}
+
+static struct server_relay *retain(struct server_relay *relay)
+{
+    atomic_fetch_add(&relay->references, 1);
+    return relay;
+}
+
+void server_relay_release(struct server_relay *relay)
+{
+    if (!relay || atomic_fetch_sub(&relay->references, 1) != 1) return;
+    server_packer_destroy(relay->packer);
+    proto_writer_free(&relay->waiting);
+    pthread_mutex_destroy(&relay->lock);
+    free(relay);
+}
+
+/* --- the reader's end, under the events' lock --------------------------------------------------------------------- */
+
+static size_t left_in(const struct server_relay *relay)
+{
+    return relay->waiting.size - relay->taken;
+}
+
+static uint64_t version(void *user)
+{
+    struct server_relay *relay = user;
+    return atomic_load(&relay->version);
+}
+
+/* Under the relay's lock. */
+static void take(struct server_relay *relay, struct proto_writer *writer)
+{
+    size_t left = left_in(relay), size = left < MESSAGE_MOST ? left : MESSAGE_MOST;
+    if (size) proto_append(writer, relay->waiting.data + relay->taken, size);
+    relay->taken += size;
+    if (size < left) {
+        atomic_fetch_add(&relay->version, 1);
+    } else {
+        relay->waiting.size = relay->taken = 0;
+    }
+    if (relay->parked && left_in(relay) <= SERVER_RELAY_MOST / 2)
+        server_workers_unpark(relay->server->workers, relay->parked);
+}
+
+static bool tell(void *user, struct proto_writer *writer)
+{
+    struct server_relay *relay = user;
+    pthread_mutex_lock(&relay->lock);
+    take(relay, writer);
+    bool is_last = relay->is_ended && left_in(relay) == 0;
+    if (is_last && !relay->is_whole) writer->failure = PROTO_WRITER_NO_MEMORY; /* the end, and not its own */
+    bool goes_on = !is_last || !relay->is_whole;
+    pthread_mutex_unlock(&relay->lock);
+    return goes_on;
+}
+
+static void close_stream(void *user)
+{
+    struct server_relay *relay = user;
+    pthread_mutex_lock(&relay->lock);
+    atomic_store(&relay->is_over, true);
+    if (relay->parked) server_workers_unpark(relay->server->workers, relay->parked);
+    pthread_mutex_unlock(&relay->lock);
+    server_relay_release(relay);
+}
+
+struct server_stream *server_relay_open(struct server_relay *relay)
+{
+    const struct server_event_source source = {
+        .version = version, .tell = tell, .release = close_stream, .user = relay, .is_content = true};
+    struct server_stream *stream = server_stream_open(relay->server->events, &source);
+    if (stream) retain(relay);
+    return stream;
+}
+
+/* --- the writer's end --------------------------------------------------------------------------------------------- */
+
+/* Under the lock. What waits is moved to the front before the buffer would grow by what was taken. */
+static void append(struct server_relay *relay, const char *text, size_t size, bool is_last)
+{
+    struct proto_writer *waiting = &relay->waiting;
+    if (relay->taken) {
+        waiting->size -= relay->taken;
+        memmove(waiting->data, waiting->data + relay->taken, waiting->size);
+        relay->taken = 0;
+    }
+    if (relay->packer)
+        server_packer_write(relay->packer, text, size, is_last, waiting);
+    else
+        proto_append(waiting, text, size);
+    if (waiting->failure) atomic_store(&relay->is_over, true);
+}
+
+static void wake(struct server_relay *relay)
+{
+    atomic_fetch_add(&relay->version, 1);
+    server_events_wake(relay->server->events, relay);
+}
+
+void server_relay_write(struct server_relay *relay, const char *text, size_t size)
+{
+    pthread_mutex_lock(&relay->lock);
+    if (!atomic_load(&relay->is_over)) append(relay, text, size, false);
+    pthread_mutex_unlock(&relay->lock);
+    wake(relay);
+}
+
+/* The job may be run and the writer's reference released before this returns. */
+bool server_relay_wait(struct server_relay *relay, struct server_job *job)
+{
+    retain(relay);
+    pthread_mutex_lock(&relay->lock);
+    bool is_ahead = left_in(relay) >= SERVER_RELAY_MOST && !atomic_load(&relay->is_over);
+    if (is_ahead) {
+        relay->parked = job;
+        is_ahead = server_workers_park(relay->server->workers, job);
+        if (!is_ahead) atomic_store(&relay->is_over, true); /* the daemon ends, and the client does not read */
+    }
+    pthread_mutex_unlock(&relay->lock);
+    server_relay_release(relay);
+    return is_ahead;
+}
+
+void server_relay_end(struct server_relay *relay, bool is_whole)
+{
+    pthread_mutex_lock(&relay->lock);
+    relay->is_whole = is_whole && !atomic_load(&relay->is_over);
+    if (relay->packer && relay->is_whole) append(relay, "", 0, true);
+    relay->is_ended = true;
+    pthread_mutex_unlock(&relay->lock);
+    wake(relay);
+}
+
+bool server_relay_is_over(struct server_relay *relay)
+{
+    return atomic_load_explicit(&relay->is_over, memory_order_relaxed);
+}

@@ -1,0 +1,49 @@
+/* Relay: an answer's text on its way from the worker that writes it to the client that reads it.
+ *
+ *     relay = server_relay_create(server, is_packed);
+ *     stream = server_relay_open(relay);               for server_reply_stream
+ *     server_relay_write(relay, text, size);           the worker, again and again
+ *     if (server_relay_wait(relay, job)) return;       ... too far ahead of its client: the job is parked
+ *     server_relay_end(relay, true);                   ... when all is written
+ *     server_relay_release(relay);
+ *
+ * DESIGN. The worker writes into a buffer, the stream's reader takes from its front, one mutex
+ * guards both. A writer that is SERVER_RELAY_MOST bytes ahead lets its job be parked (workers.h)
+ * until half of them are read, so what is kept is bounded however long the answer is; that memory
+ * is counted as an answer's, SERVER_RELAY_MOST bytes from the beginning. The stream's close is how
+ * a client's leaving is told. Of locks, the events' ranks above the relay's, the workers' below. */
+#ifndef SERVER_HTTP_RELAY_H
+#define SERVER_HTTP_RELAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "server/work/workers.h"
+
+#define SERVER_RELAY_MOST ((size_t)1 << 20) /* bytes that wait, but for what is written at once */
+
+struct server;
+struct server_relay;
+struct server_stream;
+
+/* One reference. `is_packed`: the client reads gzip. NULL without memory, in the budget or in the
+ * system. */
+struct server_relay *server_relay_create(struct server *server, bool is_packed);
+void server_relay_release(struct server_relay *relay); /* NULL is harmless */
+
+/* The client's end, once. NULL without memory. */
+struct server_stream *server_relay_open(struct server_relay *relay);
+
+/* Hands on the text. Without memory the answer is cut. */
+void server_relay_write(struct server_relay *relay, const char *text, size_t size);
+
+/* Parks the job when too much waits: true, and it is not the caller's any more. False: there is room, or nobody reads. */
+bool server_relay_wait(struct server_relay *relay, struct server_job *job);
+
+/* Nothing more comes; not whole: the client is to see that it was cut. */
+void server_relay_end(struct server_relay *relay, bool is_whole);
+
+/* The client has gone, or the answer was cut. */
+bool server_relay_is_over(struct server_relay *relay);
+
+#endif

@@ -1,0 +1,364 @@
+/* See reply.h. */
+#include "server/http/reply.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "proto/accept.h"
+#include "server/http/etag.h"
+#include "server/base/gzip.h"
+#include "server/server.h"
+
+#define GZIP_FROM    1025  /* bytes: smaller ones fit into a packet anyway */
+#define PROBLEM_MOST 65536 /* bytes of a problem's text: far more than any has */
+#define JSON         "application/json"
+#define PROBLEM_JSON "application/problem+json"
+#define EXPOSED_HEADERS                                                                                                \
+    "Allow, Content-Encoding, ETag, Location, Preference-Applied, Retry-After, WWW-Authenticate, X-Request-Id"
+#define DATA_POLICY "default-src 'none'; frame-ancestors 'none'" /* shown as a document, data loads nothing */
+
+static void set_body(struct server_exchange *exchange, unsigned status, const char *media_type, const void *body,
+                     void *owned, size_t size)
+{
+    struct server_response *response = &exchange->response;
+    response->status = status;
+    response->media_type = media_type;
+    response->body = body;
+    response->owned = owned;
+    response->size = size;
+}
+
+static void add_header(struct server_response *response, const char *name, const char *value)
+{
+    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    size_t size = strnlen(value, SERVER_HEADER_VALUE - 1);
+    char *copy = response->headers[response->header_count].value;
+    memcpy(copy, value, size);
+    copy[size] = '\0';
+    response->headers[response->header_count].size = size;
+    response->headers[response->header_count++].name = name;
+}
+
+void server_reply_header(struct server_exchange *exchange, const char *name, const char *format, ...)
+{
+    struct server_response *response = &exchange->response;
+    if (response->header_count == SERVER_RESPONSE_HEADERS) return;
+    if (!strchr(format, '%')) {
+        add_header(response, name, format);
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    char *value = response->headers[response->header_count].value;
+    vsnprintf(value, SERVER_HEADER_VALUE, format, arguments);
+    va_end(arguments);
+    response->headers[response->header_count].size = strlen(value);
+    response->headers[response->header_count++].name = name;
+}
+
+void server_reply_tag(struct server_exchange *exchange, const char *etag)
+{
+    char quoted[SERVER_HEADER_VALUE];
+    size_t size = strnlen(etag, sizeof quoted - 3);
+    quoted[0] = '"';
+    memcpy(quoted + 1, etag, size);
+    memcpy(quoted + 1 + size, "\"", 2);
+    add_header(&exchange->response, "ETag", quoted);
+}
+
+void server_reply_drop_body(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    free(response->owned);
+    if (response->lent.bytes) response->lent.release(response->lent.lender);
+    server_budget_give(&exchange->server->budget, SERVER_BUDGET_ANSWERS, response->held);
+    response->owned = NULL;
+    response->body = NULL;
+    response->lent = (struct server_lent){0};
+    response->size = response->held = 0;
+}
+
+void server_reply_writer(struct server_exchange *exchange, struct proto_writer *writer)
+{
+    const struct server_budget *budget = &exchange->server->budget;
+    proto_writer_init(writer, budget->largest_answer);
+    writer->account = &budget->answers;
+}
+
+/* Counts a body of that size as an answer's: what is counted as work in flight for it is not any
+ * more. */
+static bool hold_answer(struct server_exchange *exchange, size_t size, struct proto_problem *problem)
+{
+    struct server_budget *budget = &exchange->server->budget;
+    struct proto_writer counting = {.maximum = budget->largest_answer};
+    size_t counted = proto_writer_counted(size), flight = size < exchange->held ? size : exchange->held;
+    server_budget_give(budget, SERVER_BUDGET_FLIGHT, flight);
+    exchange->held -= flight;
+    if (size > budget->largest_answer)
+        counting.failure = PROTO_WRITER_TOO_LARGE;
+    else if (counted && !server_budget_take_answer(budget, counted))
+        counting.failure = PROTO_WRITER_NO_ROOM;
+    else
+        exchange->response.held = counted;
+    return proto_writer_check(&counting, problem);
+}
+
+void *server_reply_allocate(struct server_exchange *exchange, size_t size)
+{
+    struct proto_problem problem;
+    bool is_held = hold_answer(exchange, size, &problem);
+    void *bytes = is_held ? malloc(size ? size : 1) : NULL;
+    if (bytes) return bytes;
+    if (is_held) {
+        server_reply_drop_body(exchange);
+        (void)proto_problem_from_status(&problem, GD_NO_MEMORY, NULL);
+    }
+    server_reply_problem(exchange, &problem);
+    return NULL;
+}
+
+void server_reply_bytes(struct server_exchange *exchange, unsigned status, const char *media_type, void *bytes,
+                        size_t size)
+{
+    struct proto_problem problem;
+    if (exchange->response.held || hold_answer(exchange, size, &problem)) {
+        set_body(exchange, status, media_type, bytes, bytes, size);
+        return;
+    }
+    free(bytes);
+    server_reply_problem(exchange, &problem);
+}
+
+void server_reply_stream(struct server_exchange *exchange, unsigned status, const char *media_type,
+                         struct server_stream *stream)
+{
+    set_body(exchange, status, media_type, NULL, NULL, 0);
+    exchange->response.stream = stream;
+}
+
+void server_reply_empty(struct server_exchange *exchange, unsigned status)
+{
+    set_body(exchange, status, NULL, NULL, NULL, 0);
+}
+
+/* The text of a writer that has not failed. That of one without an account is counted even past the
+ * limit. */
+static void set_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+                     struct proto_writer *writer)
+{
+    size_t size = 0;
+    bool is_counted = writer->account != NULL;
+    char *text = proto_writer_take(writer, &size);
+    exchange->response.held = proto_writer_counted(size);
+    if (!is_counted) server_budget_adjust(&exchange->server->budget, SERVER_BUDGET_ANSWERS, 0, exchange->response.held);
+    set_body(exchange, status, media_type, text, text, size);
+}
+
+void server_reply_text(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *writer)
+{
+    struct proto_problem problem;
+    if (!proto_writer_check(writer, &problem)) {
+        proto_writer_free(writer);
+        server_reply_problem(exchange, &problem);
+        return;
+    }
+    set_text(exchange, status, media_type, writer);
+}
+
+void server_reply_lent(struct server_exchange *exchange, unsigned status, const char *media_type,
+                       struct proto_writer *head, const struct server_lent *lent)
+{
+    server_reply_text(exchange, status, media_type, head);
+    if (exchange->response.problem != PROTO_PROBLEM_NONE) {
+        lent->release(lent->lender);
+        return;
+    }
+    exchange->response.lent = *lent;
+    exchange->response.size += lent->size + strlen(lent->tail);
+}
+
+void server_reply_json(struct server_exchange *exchange, unsigned status, struct proto_writer *writer)
+{
+    server_reply_text(exchange, status, JSON, writer);
+}
+
+/* A problem whose own text could not be made goes out as its status alone. */
+void server_reply_problem(struct server_exchange *exchange, const struct proto_problem *problem)
+{
+    struct proto_writer writer;
+    size_t size = 0;
+    proto_writer_init(&writer, PROBLEM_MOST);
+    proto_problem_encode(&writer, problem);
+    char *text = proto_writer_take(&writer, &size);
+    proto_writer_free(&writer);
+    exchange->response.header_count = 0;
+    exchange->response.problem = problem->code;
+    if (problem->allow[0]) server_reply_header(exchange, "Allow", "%s, OPTIONS", problem->allow);
+    if (problem->challenge) add_header(&exchange->response, "WWW-Authenticate", problem->challenge);
+    if (problem->retry_after) server_reply_header(exchange, "Retry-After", "%u", problem->retry_after);
+    set_body(exchange, problem->status, PROBLEM_JSON, text, text, size);
+}
+
+void server_reply_refusal(struct server_exchange *exchange, enum proto_problem_code code, const char *format, ...)
+{
+    char sentence[PROTO_PROBLEM_DETAIL];
+    struct proto_problem problem;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sentence, sizeof sentence, format, arguments);
+    va_end(arguments);
+    (void)proto_problem_set(&problem, code, "%s", sentence);
+    if (problem.status == 503 && !problem.retry_after) problem.retry_after = 1;
+    server_reply_problem(exchange, &problem);
+}
+
+bool server_reply_accepts_json(struct server_exchange *exchange)
+{
+    if (proto_accept_quality(server_exchange_header(exchange, "Accept"), JSON) > 0) return true;
+    server_reply_refusal(exchange, PROTO_PROBLEM_NOT_ACCEPTABLE,
+                         "the answer is JSON; send Accept: application/json or none");
+    return false;
+}
+
+/* "gzip" listed without a quality of zero. */
+bool server_reply_takes_gzip(const struct server_exchange *exchange)
+{
+    const char *list = server_exchange_header(exchange, "Accept-Encoding");
+    const char *gzip = list ? strcasestr(list, "gzip") : NULL;
+    if (!gzip) return false;
+    size_t size = strcspn(gzip, ",");
+    const char *quality = strcasestr(gzip, "q=0");
+    return !quality || quality >= gzip + size || strspn(quality + 3, ".0") < strcspn(quality + 3, ", ;");
+}
+
+void server_reply_coding(struct server_exchange *exchange, bool is_packed)
+{
+    add_header(&exchange->response, "Vary", "Accept-Encoding");
+    if (is_packed) add_header(&exchange->response, "Content-Encoding", "gzip");
+}
+
+void server_reply_asset(struct server_exchange *exchange, const struct proto_asset *asset)
+{
+    add_header(&exchange->response, "ETag", asset->etag);
+    add_header(&exchange->response, "Vary", "Accept-Encoding");
+    add_header(&exchange->response, "Referrer-Policy", "no-referrer");
+    add_header(&exchange->response, "Cross-Origin-Resource-Policy", "same-origin");
+    exchange->response.policy = asset->policy;
+    if (asset->gzip && server_reply_takes_gzip(exchange)) {
+        add_header(&exchange->response, "Content-Encoding", "gzip");
+        set_body(exchange, 200, asset->media_type, asset->gzip, NULL, asset->gzip_size);
+    } else {
+        set_body(exchange, 200, asset->media_type, asset->bytes, NULL, asset->size);
+    }
+}
+
+/* --- sealing ------------------------------------------------------------------------------------------------------ */
+
+static struct server_response_header *response_header(struct server_response *response, const char *name)
+{
+    for (uint32_t i = 0; i < response->header_count; i++)
+        if (strcmp(response->headers[i].name, name) == 0) return &response->headers[i];
+    return NULL;
+}
+
+/* The resource's entity tag, without quotes; false: the answer has none. */
+static bool read_tag(struct server_response *response, char tag[SERVER_HEADER_VALUE])
+{
+    const struct server_response_header *quoted = response_header(response, "ETag");
+    if (!quoted) return false;
+    memcpy(tag, quoted->value + 1, quoted->size - 2);
+    tag[quoted->size - 2] = '\0';
+    return true;
+}
+
+static void name_packed_form(struct server_response *response)
+{
+    struct server_response_header *header = response_header(response, "ETag");
+    char tag[SERVER_HEADER_VALUE];
+    if (!read_tag(response, tag)) return;
+    snprintf(header->value, sizeof header->value, "\"%.*s%s\"", SERVER_HEADER_VALUE / 2, tag,
+             SERVER_ETAG_PACKED_SUFFIX);
+    header->size = strlen(header->value);
+}
+
+/* The client has the body already: the answer goes without, under the tag of the form that he has. */
+static void reply_known(struct server_exchange *exchange, enum server_etag_form form)
+{
+    struct server_response *response = &exchange->response;
+    server_reply_drop_body(exchange);
+    response->status = 304;
+    response->media_type = NULL;
+    if (form == SERVER_ETAG_PACKED) name_packed_form(response);
+}
+
+/* RFC 9110, 13.2.2, of a GET that would be answered with 200, or is with 304: what If-Match and If-None-Match make of it. */
+static void apply_conditions(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    char tag[SERVER_HEADER_VALUE];
+    if (!exchange->has_conditions || (response->status != 200 && response->status != 304)) return;
+    if (!read_tag(response, tag)) return;
+    if (!server_exchange_is(exchange, "GET") && !server_exchange_is(exchange, "HEAD")) return;
+    const struct server_precondition precondition = server_precondition_read(exchange);
+    enum server_etag_form known = server_precondition_known(&precondition, tag);
+    if (!server_precondition_matches(&precondition, tag)) {
+        server_reply_drop_body(exchange);
+        server_reply_refusal(exchange, PROTO_PROBLEM_PRECONDITION_FAILED,
+                             "the resource is not in the version that If-Match names; get its ETag and try again");
+    } else if (known) {
+        reply_known(exchange, known);
+    }
+}
+
+/* PNG is packed already. */
+static bool is_packable(const struct server_response *response)
+{
+    return response->owned && !response->lent.bytes && response->size >= GZIP_FROM &&
+           strcmp(response->media_type, "image/png") != 0;
+}
+
+static void compress(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    struct proto_writer packed;
+    if (!is_packable(response) || !server_reply_takes_gzip(exchange)) return;
+    server_reply_writer(exchange, &packed);
+    packed.maximum = response->size - 1;
+    if (!server_gzip(response->body, response->size, &packed)) {
+        proto_writer_free(&packed); /* it goes as it is */
+        return;
+    }
+    server_reply_drop_body(exchange);
+    set_text(exchange, response->status, response->media_type, &packed);
+    add_header(response, "Content-Encoding", "gzip");
+}
+
+/* What a page of a listed origin may see of the answer. Caches keep the answers to different origins apart. */
+static void allow_origin(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    if (exchange->server->config.cors_origins.count) add_header(response, "Vary", "Origin");
+    if (!exchange->cors_origin) return;
+    add_header(response, "Access-Control-Allow-Origin", exchange->cors_origin);
+    add_header(response, "Access-Control-Expose-Headers", EXPOSED_HEADERS);
+}
+
+void server_reply_seal(struct server_exchange *exchange)
+{
+    struct server_response *response = &exchange->response;
+    if (is_packable(response)) add_header(response, "Vary", "Accept-Encoding");
+    apply_conditions(exchange);
+    compress(exchange);
+    if (response->status != 304 && response_header(response, "Content-Encoding")) name_packed_form(response);
+    if (response->media_type) add_header(response, "Content-Type", response->media_type);
+    allow_origin(exchange);
+    add_header(response, "X-Request-Id", exchange->request_id);
+    add_header(response, "X-Content-Type-Options", "nosniff");
+    add_header(response, "Content-Security-Policy", response->policy ? response->policy : DATA_POLICY);
+    add_header(response, "Cache-Control", response_header(response, "ETag") ? "no-cache" : "no-store");
+    if (atomic_load_explicit(&exchange->server->draining, memory_order_relaxed)) response->close = true;
+}

@@ -1,0 +1,202 @@
+/* See tls.h.
+ *
+ * DESIGN. A handshake borrows the identity that is in force when it begins. A reload puts another in force and retires the one
+ * before, which is freed at a reload that comes later than any handshake can last (connections.h). */
+#include "server/http/tls.h"
+
+#include <gnutls/abstract.h>
+#include <gnutls/gnutls.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "gd/control.h"
+#include "server/base/disk.h"
+
+#define CHAIN_MOST 8
+#define RETIRED_NS UINT64_C(600000000000)
+
+struct identity {
+    gnutls_pcert_st chain[CHAIN_MOST];
+    unsigned count;
+    gnutls_privkey_t key;
+    uint64_t retired_ns;
+    struct identity *next; /* retired before this one */
+};
+
+struct server_tls {
+    char *certificate, *key; /* paths */
+    struct identity *retired;
+};
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of `in_force` */
+static struct identity *in_force;
+
+/* --- an identity -------------------------------------------------------------------------------------------------- */
+
+static void free_identity(struct identity *identity)
+{
+    if (!identity) return;
+    for (unsigned i = 0; i < identity->count; i++) gnutls_pcert_deinit(&identity->chain[i]);
+    if (identity->key) gnutls_privkey_deinit(identity->key);
+    free(identity);
+}
+
+static bool complain(char *error, size_t error_size, const char *path, int code)
+{
+    snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, gnutls_strerror(code));
+    return false;
+}
+
+/* The text is to be freed by free. */
+static bool read_text(const char *path, gnutls_datum_t *text, char *error, size_t error_size)
+{
+    void *bytes;
+    size_t size;
+    if (server_disk_read(path, &bytes, &size) == SERVER_DISK_DONE && size <= UINT_MAX) {
+        *text = (gnutls_datum_t){bytes, (unsigned)size};
+        return true;
+    }
+    snprintf(error, error_size, "'%s' can't be used for TLS: %s", path, server_disk_why());
+    return false;
+}
+
+static bool load_chain(struct identity *identity, const char *path, char *error, size_t error_size)
+{
+    gnutls_datum_t text;
+    unsigned count = CHAIN_MOST;
+    if (!read_text(path, &text, error, error_size)) return false;
+    int code = gnutls_pcert_list_import_x509_raw(identity->chain, &count, &text, GNUTLS_X509_FMT_PEM, 0);
+    free(text.data);
+    if (code < 0) return complain(error, error_size, path, code);
+    identity->count = count;
+    return true;
+}
+
+static bool load_key(struct identity *identity, const char *path, char *error, size_t error_size)
+{
+    gnutls_datum_t text;
+    if (!read_text(path, &text, error, error_size)) return false;
+    int code = gnutls_privkey_init(&identity->key);
+    if (code == 0) code = gnutls_privkey_import_x509_raw(identity->key, &text, GNUTLS_X509_FMT_PEM, NULL, 0);
+    gnutls_memset(text.data, 0, text.size);
+    free(text.data);
+    return code == 0 || complain(error, error_size, path, code);
+}
+
+/* Does the key sign what the certificate verifies? */
+static bool belong_together(const struct identity *identity)
+{
+    unsigned char certificate[64], key[64];
+    size_t certificate_size = sizeof certificate, key_size = sizeof key;
+    gnutls_pubkey_t public = NULL;
+    bool same = gnutls_pubkey_init(&public) == 0 && gnutls_pubkey_import_privkey(public, identity->key, 0, 0) == 0 &&
+                gnutls_pubkey_get_key_id(public, 0, key, &key_size) == 0 &&
+                gnutls_pubkey_get_key_id(identity->chain[0].pubkey, 0, certificate, &certificate_size) == 0 &&
+                key_size == certificate_size && memcmp(key, certificate, key_size) == 0;
+    if (public) gnutls_pubkey_deinit(public);
+    return same;
+}
+
+static struct identity *load_identity(const struct server_tls *tls, char *error, size_t error_size)
+{
+    struct identity *identity = calloc(1, sizeof *identity);
+    if (!identity) return NULL;
+    bool ok =
+        load_chain(identity, tls->certificate, error, error_size) && load_key(identity, tls->key, error, error_size);
+    if (ok && !belong_together(identity)) {
+        snprintf(error, error_size, "the key of '%s' is not that of the certificate of '%s'", tls->key,
+                 tls->certificate);
+        ok = false;
+    }
+    if (ok) return identity;
+    free_identity(identity);
+    return NULL;
+}
+
+/* --- for the library ---------------------------------------------------------------------------------------------- */
+
+static int retrieve(gnutls_session_t session, const gnutls_datum_t *authorities, int authority_count,
+                    const gnutls_pk_algorithm_t *algorithms, int algorithm_count, gnutls_pcert_st **chain,
+                    unsigned *count, gnutls_privkey_t *key)
+{
+    (void)session, (void)authorities, (void)authority_count, (void)algorithms, (void)algorithm_count;
+    pthread_mutex_lock(&lock);
+    struct identity *identity = in_force;
+    pthread_mutex_unlock(&lock);
+    if (!identity) return -1;
+    *chain = identity->chain;
+    *count = identity->count;
+    *key = identity->key;
+    return 0;
+}
+
+void *server_tls_retrieve(void)
+{
+    gnutls_certificate_retrieve_function2 *function = retrieve;
+    return (void *)function;
+}
+
+/* --- life --------------------------------------------------------------------------------------------------------- */
+
+static struct identity *exchange(struct identity *identity)
+{
+    pthread_mutex_lock(&lock);
+    struct identity *before = in_force;
+    in_force = identity;
+    pthread_mutex_unlock(&lock);
+    return before;
+}
+
+static void free_retired(struct server_tls *tls, uint64_t before_ns)
+{
+    struct identity **at = &tls->retired;
+    while (*at && (*at)->retired_ns > before_ns) at = &(*at)->next;
+    for (struct identity *old = *at, *next; old; old = next) {
+        next = old->next;
+        free_identity(old);
+    }
+    *at = NULL;
+}
+
+static void retire(struct server_tls *tls, struct identity *identity)
+{
+    uint64_t now = gd_now_ns();
+    if (now > RETIRED_NS) free_retired(tls, now - RETIRED_NS);
+    if (!identity) return;
+    identity->retired_ns = now;
+    identity->next = tls->retired;
+    tls->retired = identity;
+}
+
+bool server_tls_reload(struct server_tls *tls, char *error, size_t error_size)
+{
+    struct identity *identity = load_identity(tls, error, error_size);
+    if (!identity) return false;
+    retire(tls, exchange(identity));
+    return true;
+}
+
+struct server_tls *server_tls_open(const char *certificate, const char *key, char *error, size_t error_size)
+{
+    struct server_tls *tls = calloc(1, sizeof *tls);
+    if (!tls) return NULL;
+    tls->certificate = strdup(certificate);
+    tls->key = strdup(key);
+    if (tls->certificate && tls->key && server_tls_reload(tls, error, error_size)) return tls;
+    server_tls_close(tls);
+    return NULL;
+}
+
+void server_tls_close(struct server_tls *tls)
+{
+    if (!tls) return;
+    free_identity(exchange(NULL));
+    free_retired(tls, UINT64_MAX);
+    free(tls->certificate);
+    free(tls->key);
+    free(tls);
+}

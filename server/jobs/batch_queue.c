@@ -1,0 +1,266 @@
+/* See batch_queue.h. */
+#include "server/jobs/batch_queue.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+const char *const server_batch_queue_tables[] = {
+    "CREATE TABLE IF NOT EXISTS batches (id TEXT PRIMARY KEY, tenant TEXT NOT NULL, document BLOB NOT NULL,"
+    " etag TEXT NOT NULL, items INTEGER NOT NULL, created INTEGER NOT NULL, cancelled INTEGER NOT NULL DEFAULT 0)",
+    "CREATE TABLE IF NOT EXISTS items (batch TEXT NOT NULL, item INTEGER NOT NULL, lease INTEGER NOT NULL DEFAULT 0,"
+    " node TEXT NOT NULL DEFAULT '', attempts INTEGER NOT NULL DEFAULT 0, status INTEGER NOT NULL DEFAULT 0,"
+    " answer BLOB, PRIMARY KEY (batch, item)) WITHOUT ROWID",
+    "CREATE INDEX IF NOT EXISTS items_waiting ON items (batch, item) WHERE status = 0",
+    "CREATE INDEX IF NOT EXISTS batches_of_tenants ON batches (tenant, id)", NULL};
+
+#define COUNT(values) ((int)(sizeof(values) / sizeof((values)[0])))
+
+static int64_t now_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+static void copy_text(char *to, size_t size, const struct server_sql_value *value)
+{
+    snprintf(to, size, "%s", value->type == SERVER_SQL_TEXT ? value->bytes : "");
+}
+
+/* --- batches ------------------------------------------------------------------------------------------------------ */
+
+/* Items first: those without a batch are nobody's. */
+enum server_store_outcome server_batch_queue_add(struct server_store_sql *sql, const struct server_batch_order *order)
+{
+    const struct server_sql_value id = server_sql_text(order->batch->id),
+                                  items = server_sql_integer(order->batch->items);
+    const struct server_sql_value those[] = {id, items};
+    const struct server_sql_value batch[] = {id,
+                                             server_sql_text(order->tenant),
+                                             server_sql_bytes(order->document, order->size),
+                                             server_sql_text(order->etag),
+                                             items,
+                                             server_sql_integer(order->batch->created)};
+    enum server_store_outcome outcome =
+        sql->run(sql,
+                 "WITH RECURSIVE numbers (number) AS (SELECT CAST(0 AS bigint) UNION ALL SELECT number + 1 FROM numbers"
+                 " WHERE number + 1 < $2)"
+                 " INSERT INTO items (batch, item) SELECT $1, number FROM numbers WHERE true ON CONFLICT (batch, item) "
+                 "DO NOTHING",
+                 those, COUNT(those), NULL, NULL);
+    if (outcome) return outcome;
+    return sql->run(sql,
+                    "INSERT INTO batches (id, tenant, document, etag, items, created) VALUES ($1, $2, $3, $4, $5, $6)"
+                    " ON CONFLICT (id) DO NOTHING",
+                    batch, COUNT(batch), NULL, NULL);
+}
+
+static bool on_count(void *user, const struct server_sql_value *row)
+{
+    *(int64_t *)user = row[0].integer;
+    return true;
+}
+
+enum server_store_outcome server_batch_queue_count(struct server_store_sql *sql, const char *tenant, int64_t *count)
+{
+    const struct server_sql_value whose = server_sql_text(tenant);
+    *count = 0;
+    return sql->run(sql, "SELECT count(*) FROM batches WHERE tenant = $1", &whose, 1, on_count, count);
+}
+
+struct listing {
+    struct server_batch *batches;
+    uint32_t count, most;
+};
+
+static bool on_batch(void *user, const struct server_sql_value *row)
+{
+    struct listing *listing = user;
+    struct server_batch *batch = &listing->batches[listing->count++];
+    *batch = (struct server_batch){.items = row[1].integer,
+                                   .created = row[2].integer,
+                                   .is_cancelled = row[3].integer != 0,
+                                   .done = row[4].integer,
+                                   .failed = row[5].integer};
+    copy_text(batch->id, sizeof batch->id, &row[0]);
+    return listing->count < listing->most;
+}
+
+#define SHOWN                                                                                                          \
+    "SELECT id, items, created, cancelled,"                                                                            \
+    " (SELECT count(*) FROM items WHERE batch = id AND status > 0),"                                                   \
+    " (SELECT count(*) FROM items WHERE batch = id AND status >= 400) FROM batches "
+
+enum server_store_outcome server_batch_queue_find(struct server_store_sql *sql, const char *tenant, const char *id,
+                                                  struct server_batch *out)
+{
+    const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(id)};
+    struct listing listing = {out, 0, 1};
+    enum server_store_outcome outcome =
+        sql->run(sql, SHOWN "WHERE tenant = $1 AND id = $2", values, COUNT(values), on_batch, &listing);
+    return !outcome && !listing.count ? SERVER_STORE_ABSENT : outcome;
+}
+
+enum server_store_outcome server_batch_queue_list(struct server_store_sql *sql, const char *tenant, const char *after,
+                                                  uint32_t most, struct server_batch *out, uint32_t *count)
+{
+    const struct server_sql_value values[] = {server_sql_text(tenant), server_sql_text(after),
+                                              server_sql_integer(most)};
+    struct listing listing = {out, 0, most};
+    enum server_store_outcome outcome = sql->run(sql, SHOWN "WHERE tenant = $1 AND id > $2 ORDER BY id LIMIT $3",
+                                                 values, COUNT(values), on_batch, &listing);
+    *count = listing.count;
+    return outcome;
+}
+
+struct document {
+    void *bytes;
+    size_t size;
+    bool is_there;
+};
+
+static bool on_document(void *user, const struct server_sql_value *row)
+{
+    struct document *document = user;
+    document->is_there = true;
+    document->size = row[0].size;
+    document->bytes = malloc(document->size + 1);
+    if (document->bytes) memcpy(document->bytes, row[0].bytes, document->size);
+    return false;
+}
+
+enum server_store_outcome server_batch_queue_document(struct server_store_sql *sql, const char *id, void **document,
+                                                      size_t *size)
+{
+    const struct server_sql_value which = server_sql_text(id);
+    struct document found = {0};
+    enum server_store_outcome outcome =
+        sql->run(sql, "SELECT document FROM batches WHERE id = $1", &which, 1, on_document, &found);
+    if (outcome) return outcome;
+    if (!found.is_there) return SERVER_STORE_ABSENT;
+    if (!found.bytes) return SERVER_STORE_NO_MEMORY;
+    *document = found.bytes;
+    *size = found.size;
+    return SERVER_STORE_DONE;
+}
+
+enum server_store_outcome server_batch_queue_answers(struct server_store_sql *sql, const char *id, int64_t after,
+                                                     uint32_t most, server_sql_visit *visit, void *user)
+{
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(after), server_sql_integer(most)};
+    return sql->run(sql,
+                    "SELECT item, status, answer FROM items WHERE batch = $1 AND item > $2 AND status > 0"
+                    " ORDER BY item LIMIT $3",
+                    values, COUNT(values), visit, user);
+}
+
+enum server_store_outcome server_batch_queue_cancel(struct server_store_sql *sql, const char *id)
+{
+    const struct server_sql_value which = server_sql_text(id);
+    return sql->run(sql, "UPDATE batches SET cancelled = 1 WHERE id = $1", &which, 1, NULL, NULL);
+}
+
+enum server_store_outcome server_batch_queue_remove(struct server_store_sql *sql, const char *id)
+{
+    const struct server_sql_value which = server_sql_text(id);
+    enum server_store_outcome outcome = sql->run(sql, "DELETE FROM batches WHERE id = $1", &which, 1, NULL, NULL);
+    return outcome ? outcome : sql->run(sql, "DELETE FROM items WHERE batch = $1", &which, 1, NULL, NULL);
+}
+
+/* --- items -------------------------------------------------------------------------------------------------------- */
+
+static bool on_claim(void *user, const struct server_sql_value *row)
+{
+    struct server_batch_claim *claim = user;
+    copy_text(claim->id, sizeof claim->id, &row[0]);
+    claim->item = row[1].integer;
+    claim->attempts = row[2].integer;
+    return false;
+}
+
+static bool on_owner(void *user, const struct server_sql_value *row)
+{
+    struct server_batch_claim *claim = user;
+    copy_text(claim->tenant, sizeof claim->tenant, &row[0]);
+    copy_text(claim->etag, sizeof claim->etag, &row[1]);
+    return false;
+}
+
+/* An item that waits, of the first of those tenants that has one, of its oldest batch; none:
+ * `*out` stays as it is. */
+static enum server_store_outcome claim_of(struct server_store_sql *sql, const char *node, const char *tenants,
+                                          const char *after, struct server_batch_claim *out)
+{
+    int64_t now = now_ms();
+    const struct server_sql_value values[] = {server_sql_integer(now), server_sql_integer(now + SERVER_BATCH_LEASE),
+                                              server_sql_text(node), server_sql_text(after)};
+    char text[1024];
+    snprintf(text, sizeof text,
+             "WITH oldest AS (SELECT b.id FROM batches b WHERE b.cancelled = 0 AND %s AND EXISTS"
+             " (SELECT 1 FROM items w WHERE w.batch = b.id AND w.status = 0 AND w.lease < $1)"
+             " ORDER BY b.tenant, b.id LIMIT 1),"
+             " next AS (SELECT i.batch, i.item FROM items i WHERE i.batch = (SELECT id FROM oldest)"
+             " AND i.status = 0 AND i.lease < $1 ORDER BY i.item LIMIT 1%s)"
+             " UPDATE items SET lease = $2, node = $3, attempts = attempts + 1 WHERE status = 0"
+             " AND (batch, item) IN (SELECT batch, item FROM next) RETURNING batch, item, attempts",
+             tenants, sql->skip_locked);
+    return sql->run(sql, text, values, COUNT(values), on_claim, out);
+}
+
+enum server_store_outcome server_batch_queue_claim(struct server_store_sql *sql, const char *node, const char *after,
+                                                   struct server_batch_claim *out)
+{
+    struct server_batch_claim claim = {.id = ""};
+    enum server_store_outcome outcome = claim_of(sql, node, "b.tenant > $4", after, &claim);
+    if (!outcome && !claim.id[0]) outcome = claim_of(sql, node, "b.tenant <= $4", after, &claim);
+    if (outcome) return outcome;
+    if (!claim.id[0]) return SERVER_STORE_ABSENT;
+    const struct server_sql_value which = server_sql_text(claim.id);
+    outcome = sql->run(sql, "SELECT tenant, etag FROM batches WHERE id = $1", &which, 1, on_owner, &claim);
+    if (!outcome) *out = claim;
+    return outcome;
+}
+
+enum server_store_outcome server_batch_queue_renew(struct server_store_sql *sql, const char *id, int64_t item,
+                                                   const char *node)
+{
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item), server_sql_text(node),
+                                              server_sql_integer(now_ms() + SERVER_BATCH_LEASE)};
+    int64_t renewed = -1;
+    enum server_store_outcome outcome =
+        sql->run(sql,
+                 "UPDATE items SET lease = $4 WHERE batch = $1 AND item = $2 AND node = $3 AND status = 0"
+                 " AND EXISTS (SELECT 1 FROM batches WHERE id = $1 AND cancelled = 0) RETURNING item",
+                 values, COUNT(values), on_count, &renewed);
+    return !outcome && renewed < 0 ? SERVER_STORE_ABSENT : outcome;
+}
+
+enum server_store_outcome server_batch_queue_return(struct server_store_sql *sql,
+                                                    const struct server_batch_claim *claim, const char *node,
+                                                    bool was_tried, int64_t pause_ms)
+{
+    const struct server_sql_value values[] = {server_sql_text(claim->id), server_sql_integer(claim->item),
+                                              server_sql_text(node),
+                                              server_sql_integer(pause_ms ? now_ms() + pause_ms : 0),
+                                              server_sql_integer(was_tried ? claim->attempts : claim->attempts - 1)};
+    return sql->run(sql,
+                    "UPDATE items SET lease = $4, node = '', attempts = $5 WHERE batch = $1 AND item = $2"
+                    " AND node = $3 AND status = 0",
+                    values, COUNT(values), NULL, NULL);
+}
+
+enum server_store_outcome server_batch_queue_return_all(struct server_store_sql *sql)
+{
+    return sql->run(sql, "UPDATE items SET lease = 0 WHERE status = 0 AND lease > 0", NULL, 0, NULL, NULL);
+}
+
+enum server_store_outcome server_batch_queue_answer(struct server_store_sql *sql, const char *id, int64_t item,
+                                                    unsigned status, const void *answer, size_t size)
+{
+    const struct server_sql_value values[] = {server_sql_text(id), server_sql_integer(item), server_sql_integer(status),
+                                              server_sql_bytes(answer, size)};
+    return sql->run(
+        sql, "UPDATE items SET status = $3, answer = $4, lease = 0 WHERE batch = $1 AND item = $2 AND status = 0",
+        values, COUNT(values), NULL, NULL);
+}

@@ -1,7 +1,0 @@
-/* Version: what --version, GET /v1 and the metrics say. */
-#ifndef SERVER_VERSION_H
-#define SERVER_VERSION_H
-
-#define SERVER_VERSION "0.1.0"
-
-#endif

@@ -1,0 +1,142 @@
+/* See budget.h. */
+#include "server/work/budget.h"
+
+#include <assert.h>
+
+#define SMALL_ANSWER ((size_t)64 << 10) /* bytes that are taken at once */
+#define REMEDY       "delete meshes, or raise --memory-budget"
+
+static bool take_text(void *budget, size_t bytes)
+{
+    return server_budget_take_answer(budget, bytes);
+}
+
+static void give_text(void *budget, size_t bytes)
+{
+    server_budget_give(budget, SERVER_BUDGET_ANSWERS, bytes);
+}
+
+void server_budget_init(struct server_budget *budget, size_t limit)
+{
+    *budget = (struct server_budget){.limit = limit,
+                                     .largest_answer = limit - limit / SERVER_BUDGET_ANSWERS_PART,
+                                     .answers = {take_text, give_text, budget}};
+}
+
+static bool try_take(struct server_budget *budget, size_t bytes)
+{
+    size_t total = atomic_load_explicit(&budget->total, memory_order_relaxed);
+    do {
+        if (bytes > budget->limit || total > budget->limit - bytes) return false;
+    } while (!atomic_compare_exchange_weak(&budget->total, &total, total + bytes));
+    return true;
+}
+
+/* How many bytes stand in the way of `bytes` more. */
+static size_t shortage(struct server_budget *budget, size_t bytes)
+{
+    size_t total = atomic_load(&budget->total);
+    size_t left = total < budget->limit ? budget->limit - total : 0;
+    return bytes > left ? bytes - left : 0;
+}
+
+bool server_budget_could_take(struct server_budget *budget, size_t bytes)
+{
+    return shortage(budget, bytes) == 0 || bytes <= server_budget_available(budget);
+}
+
+/* Lets the reclaimers make room, one after the other, until the bytes can be taken. */
+static bool take_by_reclaiming(struct server_budget *budget, size_t bytes)
+{
+    if (bytes > server_budget_available(budget)) return false;
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (!reclaimer->reclaim) continue;
+        reclaimer->reclaim(reclaimer->user, shortage(budget, bytes));
+        if (try_take(budget, bytes)) return true;
+    }
+    return false;
+}
+
+bool server_budget_take(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    if (!try_take(budget, bytes) && !take_by_reclaiming(budget, bytes)) return false;
+    atomic_fetch_add(&budget->used[class], bytes);
+    return true;
+}
+
+bool server_budget_take_spare(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    if (!try_take(budget, bytes)) return false;
+    atomic_fetch_add(&budget->used[class], bytes);
+    return true;
+}
+
+/* Answers that grow at the same time may pass their part by a step each, never the limit. */
+bool server_budget_take_answer(struct server_budget *budget, size_t bytes)
+{
+    size_t part = bytes > SMALL_ANSWER ? SERVER_BUDGET_ANSWERS_PART : SERVER_BUDGET_SMALL_ANSWERS_PART;
+    size_t most = budget->limit - budget->limit / part, used = atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]);
+    return bytes <= most && used <= most - bytes && server_budget_take(budget, SERVER_BUDGET_ANSWERS, bytes);
+}
+
+void server_budget_give(struct server_budget *budget, enum server_budget_class class, size_t bytes)
+{
+    if (!bytes) return; /* the counters are everybody's: not to be touched for nothing */
+    size_t before = atomic_fetch_sub(&budget->used[class], bytes);
+    assert(before >= bytes);
+    (void)before;
+    atomic_fetch_sub(&budget->total, bytes);
+}
+
+void server_budget_move(struct server_budget *budget, enum server_budget_class from, enum server_budget_class to,
+                        size_t bytes)
+{
+    atomic_fetch_add(&budget->used[to], bytes);
+    atomic_fetch_sub(&budget->used[from], bytes);
+}
+
+/* Bytes of meshes that could be let go of. */
+static size_t reclaimable(struct server_budget *budget)
+{
+    size_t bytes = 0;
+    for (int turn = 0; turn < SERVER_RECLAIM_TURNS; turn++) {
+        const struct server_reclaimer *reclaimer = &budget->reclaimers[turn];
+        if (reclaimer->holds) bytes += reclaimer->holds(reclaimer->user);
+    }
+    return bytes;
+}
+
+size_t server_budget_available(struct server_budget *budget)
+{
+    size_t spare = reclaimable(budget), meshes = atomic_load(&budget->used[SERVER_BUDGET_MESHES]);
+    size_t held = (meshes > spare ? meshes - spare : 0) + atomic_load(&budget->used[SERVER_BUDGET_FLIGHT]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_ANSWERS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_RECORDS]) + atomic_load(&budget->used[SERVER_BUDGET_JOBS]) +
+                  atomic_load(&budget->used[SERVER_BUDGET_SPARE]);
+    return held < budget->limit ? budget->limit - held : 0;
+}
+
+void server_budget_adjust(struct server_budget *budget, enum server_budget_class class, size_t held, size_t actual)
+{
+    if (actual <= held) {
+        server_budget_give(budget, class, held - actual);
+    } else {
+        atomic_fetch_add(&budget->total, actual - held);
+        atomic_fetch_add(&budget->used[class], actual - held);
+    }
+}
+
+bool server_budget_refuse(struct server_budget *budget, const char *what, size_t bytes, struct proto_problem *problem)
+{
+    size_t available = server_budget_available(budget);
+    if (bytes)
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "%s needs about %zu bytes, and %zu of the %zu bytes of the memory budget can be had; " REMEDY,
+                          what, bytes, available, budget->limit);
+    else
+        proto_problem_set(problem, PROTO_PROBLEM_INSUFFICIENT_MEMORY,
+                          "%s needs more than the %zu of the %zu bytes of the memory budget that can be had; " REMEDY,
+                          what, available, budget->limit);
+    return proto_problem_limit(problem, budget->limit);
+}

@@ -1,0 +1,393 @@
+/* See workers.h. */
+#include "server/work/workers.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "gd/control.h"
+#include "server/work/lanes.h"
+#include "server/work/thread_affinity.h"
+#include "server/work/traffic.h"
+#include "server/work/yielding.h"
+
+#define WORK_NS 500000 /* between two moments that a thread gives up */
+
+struct server_workers {
+    pthread_mutex_t lock;
+    pthread_cond_t work, spare_work;
+    struct server_lanes lanes;
+    uint32_t thread_count, working; /* of the threads that are not spare; those that run a job */
+    struct server_job *parked;      /* see server_workers_park */
+    struct server_job *background;  /* jobs for idle times, the latest first */
+    bool is_hosting;                /* a thread runs one of them */
+    bool leaving;                   /* threads end once the queue is empty */
+    atomic_bool cancelled;
+    atomic_uint busy; /* threads that run a job, of the queue or of the background */
+    pthread_t *spare;
+    uint32_t spare_count;
+    pthread_t threads[];
+};
+
+/* The job that this thread runs, from the queue of those workers: what it submits is of its lane
+ * and kind. NULL: none. */
+static _Thread_local const struct server_workers *own_workers;
+static _Thread_local struct server_lane *own_lane;
+static _Thread_local bool own_is_patient;
+
+/* --- the queue, under the lock ------------------------------------------------------------------------------------ */
+
+static struct server_lane *lane_for(struct server_workers *workers, struct server_job *job)
+{
+    if (job->tenant || own_workers != workers) return server_lanes_of(&workers->lanes, job->tenant);
+    job->is_patient = own_is_patient;
+    return own_lane;
+}
+
+static bool is_all_at_work(const struct server_workers *workers)
+{
+    return workers->working == workers->thread_count;
+}
+
+/* A job has come for a thread, or, if all are at work, perhaps for a spare one. */
+static void announce(struct server_workers *workers)
+{
+    pthread_cond_signal(is_all_at_work(workers) ? &workers->spare_work : &workers->work);
+}
+
+static void push_front(struct server_workers *workers, struct server_job *job)
+{
+    server_lanes_push_front(&workers->lanes, lane_for(workers, job), job);
+    announce(workers);
+}
+
+/* Takes the job out of the list; NULL: it is not there. */
+static struct server_job *take_out(struct server_job **list, const struct server_job *job)
+{
+    while (*list && *list != job) list = &(*list)->next;
+    struct server_job *found = *list;
+    if (found) *list = found->next;
+    return found;
+}
+
+/* --- threads ------------------------------------------------------------------------------------------------------ */
+
+static _Thread_local struct server_yielding yielding; /* of the job at hand; all zero between jobs */
+
+/* Perhaps in the middle of another one, which may be behind (server_workers_yield): it stays there, this one does not begin there. */
+static void run_job(struct server_workers *workers, struct server_job *job)
+{
+    const struct server_yielding outer = yielding;
+    server_place_behind(false);
+    server_yielding_begin(&yielding, gd_now_ns());
+    atomic_fetch_add_explicit(&workers->busy, 1, memory_order_relaxed);
+    if (atomic_load(&workers->cancelled))
+        job->refuse(job, SERVER_REFUSAL_DRAINING);
+    else if (server_job_is_late(job, gd_now_ns()))
+        job->refuse(job, SERVER_REFUSAL_DEADLINE);
+    else
+        job->run(job);
+    yielding = outer;
+    server_place_behind(yielding.is_behind);
+    atomic_fetch_sub_explicit(&workers->busy, 1, memory_order_relaxed);
+}
+
+bool server_workers_are_busy(const struct server_workers *workers)
+{
+    return atomic_load_explicit(&workers->busy, memory_order_relaxed) > 0;
+}
+
+static uint64_t processor_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
+}
+
+/* While requests come densely. A thread that sleeps keeps what it is due, where one that yields gives it up: on a machine that others use too, work would
+ * starve. */
+static void take_a_nap(uint64_t now_ns)
+{
+    static _Thread_local struct server_traffic traffic;
+    const struct timespec moment = {.tv_nsec = 1}; /* and what the kernel's timers add to it: some 50 microseconds */
+    if (server_traffic_is_dense(&traffic, now_ns)) nanosleep(&moment, NULL);
+}
+
+static void give_way(void)
+{
+    static _Thread_local uint64_t gave_ns;
+    uint64_t now = gd_now_ns();
+    if (now - gave_ns < WORK_NS) return;
+    server_place_behind(server_yielding_is_due(&yielding, now, processor_ns()));
+    take_a_nap(now);
+    gave_ns = gd_now_ns();
+}
+
+bool server_workers_go_on(struct server_workers *workers)
+{
+    give_way();
+    return !server_workers_cancelled(workers);
+}
+
+/* Under the lock, which is given up meanwhile: a job that was taken. Another one that waits may
+ * be a spare thread's now. */
+static void run_taken(struct server_workers *workers, struct server_job *job)
+{
+    if (server_lanes_queued(&workers->lanes)) announce(workers);
+    const struct server_workers *outer_workers = own_workers;
+    struct server_lane *outer_lane = own_lane, *lane = job->lane;
+    bool outer_is_patient = own_is_patient, is_patient = job->is_patient;
+    own_workers = workers;
+    own_lane = lane;
+    own_is_patient = is_patient;
+    pthread_mutex_unlock(&workers->lock);
+    uint64_t begun_ns = gd_now_ns();
+    run_job(workers, job);
+    uint64_t ns = gd_now_ns() - begun_ns;
+    pthread_mutex_lock(&workers->lock);
+    own_workers = outer_workers;
+    own_lane = outer_lane;
+    own_is_patient = outer_is_patient;
+    server_lanes_end(&workers->lanes, lane, is_patient, ns);
+}
+
+static bool may_host(const struct server_workers *workers)
+{
+    return workers->background && !workers->is_hosting;
+}
+
+/* Under the lock, which is given up meanwhile. */
+static void host(struct server_workers *workers)
+{
+    struct server_job *job = workers->background;
+    workers->background = job->next;
+    workers->is_hosting = true;
+    pthread_mutex_unlock(&workers->lock);
+    run_job(workers, job);
+    pthread_mutex_lock(&workers->lock);
+    workers->is_hosting = false;
+}
+
+/* Under the lock, which is given up meanwhile: runs the next job; false: there is none. */
+static bool work_once(struct server_workers *workers)
+{
+    struct server_job *job = server_lanes_take(&workers->lanes, false);
+    if (!job && !may_host(workers)) return false;
+    workers->working++;
+    if (job)
+        run_taken(workers, job);
+    else
+        host(workers);
+    workers->working--;
+    return true;
+}
+
+/* Under the lock, which is given up meanwhile; false: the thread is to end. */
+static bool wait_for_work(struct server_workers *workers)
+{
+    if (!workers->leaving) pthread_cond_wait(&workers->work, &workers->lock);
+    return !workers->leaving;
+}
+
+static void *work(void *user)
+{
+    struct server_workers *workers = user;
+    server_place_worker();
+    pthread_mutex_lock(&workers->lock);
+    while (work_once(workers) || wait_for_work(workers)) continue;
+    pthread_mutex_unlock(&workers->lock);
+    return NULL;
+}
+
+static void *work_as_spare(void *user)
+{
+    struct server_workers *workers = user;
+    server_place_worker();
+    pthread_mutex_lock(&workers->lock);
+    while (!workers->leaving) {
+        struct server_job *job = is_all_at_work(workers) ? server_lanes_take(&workers->lanes, true) : NULL;
+        if (job)
+            run_taken(workers, job);
+        else
+            pthread_cond_wait(&workers->spare_work, &workers->lock);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return NULL;
+}
+
+struct server_workers *server_workers_create(uint32_t count, uint32_t queue_length)
+{
+    struct server_workers *workers = calloc(1, sizeof *workers + count * sizeof workers->threads[0]);
+    if (!workers) return NULL;
+    pthread_mutex_init(&workers->lock, NULL);
+    pthread_cond_init(&workers->work, NULL);
+    pthread_cond_init(&workers->spare_work, NULL);
+    server_lanes_init(&workers->lanes, count, queue_length);
+    while (workers->thread_count < count) {
+        if (pthread_create(&workers->threads[workers->thread_count], NULL, work, workers) != 0) {
+            server_workers_destroy(workers);
+            return NULL;
+        }
+        workers->thread_count++;
+    }
+    return workers;
+}
+
+bool server_workers_add_spare(struct server_workers *workers, uint32_t count)
+{
+    workers->spare = calloc(count, sizeof *workers->spare);
+    for (uint32_t i = 0; workers->spare && i < count; i++) {
+        if (pthread_create(&workers->spare[i], NULL, work_as_spare, workers) != 0) break;
+        pthread_mutex_lock(&workers->lock);
+        workers->spare_count++;
+        pthread_mutex_unlock(&workers->lock);
+    }
+    return workers->spare_count == count;
+}
+
+void server_workers_share(struct server_workers *workers)
+{
+    workers->lanes.is_shared = true;
+}
+
+void server_workers_destroy(struct server_workers *workers)
+{
+    if (!workers) return;
+    server_workers_cancel(workers);
+    pthread_mutex_lock(&workers->lock);
+    workers->leaving = true;
+    pthread_cond_broadcast(&workers->work);
+    pthread_cond_broadcast(&workers->spare_work);
+    pthread_mutex_unlock(&workers->lock);
+    for (uint32_t i = 0; i < workers->thread_count; i++) pthread_join(workers->threads[i], NULL);
+    for (uint32_t i = 0; i < workers->spare_count; i++) pthread_join(workers->spare[i], NULL);
+    free(workers->spare);
+    pthread_cond_destroy(&workers->spare_work);
+    pthread_cond_destroy(&workers->work);
+    pthread_mutex_destroy(&workers->lock);
+    free(workers);
+}
+
+/* --- jobs in and out ---------------------------------------------------------------------------------------------- */
+
+bool server_workers_submit(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    bool is_queued = !cancelled && server_lanes_push(&workers->lanes, lane_for(workers, job), job);
+    if (is_queued) announce(workers);
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+    return cancelled || is_queued;
+}
+
+void server_workers_resume(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) push_front(workers, job);
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+}
+
+void server_workers_submit_background(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) {
+        job->next = workers->background;
+        workers->background = job;
+        pthread_cond_signal(&workers->work);
+    }
+    pthread_mutex_unlock(&workers->lock);
+    if (cancelled) job->refuse(job, SERVER_REFUSAL_DRAINING);
+}
+
+bool server_workers_withdraw(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool is_found = take_out(&workers->background, job) != NULL;
+    pthread_mutex_unlock(&workers->lock);
+    return is_found;
+}
+
+bool server_workers_park(struct server_workers *workers, struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    bool cancelled = atomic_load(&workers->cancelled);
+    if (!cancelled) {
+        job->next = workers->parked;
+        workers->parked = job;
+    }
+    pthread_mutex_unlock(&workers->lock);
+    return !cancelled;
+}
+
+void server_workers_unpark(struct server_workers *workers, const struct server_job *job)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *parked = take_out(&workers->parked, job);
+    if (parked) push_front(workers, parked);
+    pthread_mutex_unlock(&workers->lock);
+}
+
+void server_workers_yield(struct server_workers *workers)
+{
+    struct server_job *job;
+    pthread_mutex_lock(&workers->lock);
+    while (server_lanes_running(&workers->lanes) + 1 >= workers->thread_count &&
+           (job = server_lanes_take(&workers->lanes, false)))
+        run_taken(workers, job);
+    pthread_mutex_unlock(&workers->lock);
+}
+
+void server_workers_refuse_background(struct server_workers *workers, enum server_refusal why)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *background = workers->background;
+    workers->background = NULL;
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(background, why);
+}
+
+void server_workers_expire(struct server_workers *workers, uint64_t now_ns)
+{
+    pthread_mutex_lock(&workers->lock);
+    struct server_job *expired = server_lanes_expire(&workers->lanes, now_ns);
+    struct server_job *parked = server_jobs_expire(&workers->parked, now_ns);
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(expired, SERVER_REFUSAL_DEADLINE);
+    server_jobs_refuse(parked, SERVER_REFUSAL_DEADLINE);
+}
+
+void server_workers_cancel(struct server_workers *workers)
+{
+    pthread_mutex_lock(&workers->lock);
+    atomic_store(&workers->cancelled, true);
+    struct server_job *queued = server_lanes_expire(&workers->lanes, UINT64_MAX);
+    struct server_job *parked = server_jobs_expire(&workers->parked, UINT64_MAX);
+    pthread_mutex_unlock(&workers->lock);
+    server_jobs_refuse(queued, SERVER_REFUSAL_DRAINING);
+    server_jobs_refuse(parked, SERVER_REFUSAL_DRAINING);
+    server_workers_refuse_background(workers, SERVER_REFUSAL_DRAINING);
+}
+
+bool server_workers_cancelled(struct server_workers *workers)
+{
+    return atomic_load_explicit(&workers->cancelled, memory_order_relaxed);
+}
+
+struct server_workers_load server_workers_load(struct server_workers *workers)
+{
+    pthread_mutex_lock(&workers->lock);
+    const struct server_lanes *lanes = &workers->lanes;
+    struct server_workers_load load = {.threads = workers->thread_count,
+                                       .running = server_lanes_running(lanes),
+                                       .queued = server_lanes_queued(lanes),
+                                       .urgent = lanes->queued[SERVER_LANE_URGENT],
+                                       .background = workers->is_hosting};
+    pthread_mutex_unlock(&workers->lock);
+    return load;
+}

@@ -1,0 +1,147 @@
+#include "tests/unit/server/support.h"
+
+#include <pthread.h>
+
+#include "server/access/limits.h"
+
+#define SECOND UINT64_C(1000000000)
+
+static struct server_quota *quota;
+
+static int set_up(void **state)
+{
+    (void)state;
+    quota = server_quota_create();
+    return quota ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    server_quota_release(quota);
+    return 0;
+}
+
+/* How many of `count` requests, `interval` apart from `*now` on, are let in, each leaving at once. */
+static int let_in(const struct server_limits *limits, int count, uint64_t interval, uint64_t *now)
+{
+    int entered = 0;
+    for (int i = 0; i < count; i++, *now += interval) {
+        uint64_t wait_ns;
+        if (server_quota_enter(quota, limits, *now, &wait_ns) != SERVER_QUOTA_ENTERED) continue;
+        server_quota_leave(quota);
+        entered++;
+    }
+    return entered;
+}
+
+static void a_burst_is_as_large_as_the_rate(void **state)
+{
+    (void)state;
+    static const uint32_t rates[] = {1, 2, 3, 7, 100, 999983, SERVER_LIMITS_RATE_MOST};
+    for (size_t i = 0; i < COUNT(rates); i++) {
+        const struct server_limits limits = {.rate = rates[i]};
+        uint64_t now = SECOND * 1000 * (i + 1);
+        assert_int_equal(let_in(&limits, (int)rates[i] + 10, 0, &now), rates[i]);
+        now += SECOND; /* full again */
+        assert_int_equal(let_in(&limits, (int)rates[i] + 10, 0, &now), rates[i]);
+    }
+}
+
+static void in_the_long_run_the_rate_is_kept(void **state)
+{
+    (void)state;
+    const struct server_limits limits = {.rate = 50};
+    uint64_t now = SECOND;
+    int entered = let_in(&limits, 10000, SECOND / 1000, &now); /* a thousand a second, for ten seconds */
+    assert_in_range(entered, 50 * 10, 50 * 11);
+}
+
+static void who_waits_as_long_as_told_gets_in(void **state)
+{
+    (void)state;
+    const struct server_limits limits = {.rate = 3};
+    uint64_t now = SECOND, wait_ns;
+    assert_int_equal(let_in(&limits, 3, 0, &now), 3);
+    assert_int_equal(server_quota_enter(quota, &limits, now, &wait_ns), SERVER_QUOTA_RATE);
+    assert_in_range(wait_ns, 1, SECOND / 3);
+    uint64_t told = wait_ns;
+    assert_int_equal(server_quota_enter(quota, &limits, now + told - 1, &wait_ns), SERVER_QUOTA_RATE);
+    assert_int_equal(server_quota_enter(quota, &limits, now + told, &wait_ns), SERVER_QUOTA_ENTERED);
+}
+
+static void so_many_are_in_at_once(void **state)
+{
+    (void)state;
+    const struct server_limits limits = {.concurrent = 2};
+    uint64_t wait_ns = 1;
+    for (int i = 0; i < 2; i++) assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_ENTERED);
+    assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_CONCURRENT);
+    assert_int_equal(wait_ns, 0);
+    server_quota_leave(quota);
+    assert_int_equal(server_quota_enter(quota, &limits, 1, &wait_ns), SERVER_QUOTA_ENTERED);
+    assert_int_equal(quota->requests, 4);
+    assert_int_equal(quota->refusals[SERVER_QUOTA_CONCURRENT], 1);
+}
+
+static void who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place(void **state)
+{
+    (void)state;
+    const struct server_limits limits = {.rate = 2, .concurrent = 1};
+    uint64_t wait_ns;
+    assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
+    for (int i = 0; i < 10; i++)
+        assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_CONCURRENT);
+    server_quota_leave(quota);
+    assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_ENTERED);
+    server_quota_leave(quota);
+    assert_int_equal(server_quota_enter(quota, &limits, SECOND, &wait_ns), SERVER_QUOTA_RATE);
+    assert_int_equal(quota->entered, 0);
+}
+
+#define THREADS 4
+#define ROUNDS  20000
+
+static void *contend(void *user)
+{
+    const struct server_limits limits = {.rate = 1000, .concurrent = 2};
+    size_t *entered = user;
+    for (int i = 0; i < ROUNDS; i++) {
+        uint64_t wait_ns;
+        if (server_quota_enter(quota, &limits, SECOND, &wait_ns) != SERVER_QUOTA_ENTERED) continue;
+        assert_in_range(quota->entered, 1, THREADS);
+        (*entered)++;
+        server_quota_leave(quota);
+    }
+    return NULL;
+}
+
+/* At one moment exactly a second's tokens are there, whoever takes them. */
+static void threads_share_what_there_is(void **state)
+{
+    (void)state;
+    pthread_t threads[THREADS];
+    size_t entered[THREADS] = {0}, total = 0;
+    for (int i = 0; i < THREADS; i++) pthread_create(&threads[i], NULL, contend, &entered[i]);
+    for (int i = 0; i < THREADS; i++) {
+        pthread_join(threads[i], NULL);
+        total += entered[i];
+    }
+    assert_int_equal(total, 1000);
+    assert_int_equal(quota->entered, 0);
+    assert_int_equal(quota->requests, THREADS * ROUNDS);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_burst_is_as_large_as_the_rate, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(in_the_long_run_the_rate_is_kept, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(who_waits_as_long_as_told_gets_in, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(so_many_are_in_at_once, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(who_finds_no_place_uses_no_token_and_who_finds_no_token_keeps_no_place, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(threads_share_what_there_is, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

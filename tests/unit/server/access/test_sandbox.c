@@ -1,0 +1,514 @@
+/* What a daemon in its sandbox can and can't do, tried by a child that enters it. */
+#include "tests/unit/server/child.h"
+#include "tests/unit/server/folder.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+
+#include "server/config/config.h"
+#include "server/work/thread_affinity.h"
+
+#define REFUSED(call, why) (errno = 0, (call) == -1 && errno == (why))
+
+struct fixture {
+    char folder[FOLDER_PATH], outside[FOLDER_PATH];
+    struct server_config config;
+    int listening; /* a socket of somebody else */
+    struct sockaddr_in address;
+};
+
+static int set_up(void **state)
+{
+    struct fixture *fixture = calloc(1, sizeof *fixture);
+    socklen_t size = sizeof fixture->address;
+    folder_make(fixture->folder);
+    folder_make(fixture->outside);
+    snprintf(fixture->config.data_dir, sizeof fixture->config.data_dir, "%s/data", fixture->folder);
+    fixture->listening = socket(AF_INET, SOCK_STREAM, 0);
+    fixture->address = (struct sockaddr_in){.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    assert_int_equal(bind(fixture->listening, (struct sockaddr *)&fixture->address, size), 0);
+    assert_int_equal(getsockname(fixture->listening, (struct sockaddr *)&fixture->address, &size), 0);
+    assert_int_equal(listen(fixture->listening, 1), 0);
+    char error[256];
+    assert_true(server_address_parse("127.0.0.1:0", &fixture->config.listen, error, sizeof error));
+    *state = fixture;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *fixture = *state;
+    close(fixture->listening);
+    folder_remove(fixture->folder);
+    folder_remove(fixture->outside);
+    free(fixture);
+    return 0;
+}
+
+/* How a child that does that in the sandbox ends. */
+static int end_of(struct fixture *fixture, void (*in_child)(struct fixture *fixture))
+{
+    int status;
+    pid_t child = fork();
+    if (child == 0) {
+        in_child(fixture);
+        _exit(FINE);
+    }
+    assert_true(child > 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return status;
+}
+
+static void assert_fine(struct fixture *fixture, void (*in_child)(struct fixture *fixture))
+{
+    int status = end_of(fixture, in_child);
+    assert_true(WIFEXITED(status));
+    if (WEXITSTATUS(status) == SKIPPED) skip();
+    assert_int_equal(WEXITSTATUS(status), FINE);
+}
+
+static struct server_sandbox enter(const struct fixture *fixture)
+{
+    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    if (!sandbox.is_wanted || sandbox.landlock) _exit(SKIPPED); /* a sanitizer's build, or another kernel */
+    return sandbox;
+}
+
+static void seal(const struct fixture *fixture)
+{
+    struct server_sandbox sandbox = enter(fixture);
+    server_log_set_level(SERVER_LOG_ERROR);
+    server_sandbox_seal(&sandbox);
+    if (sandbox.seccomp) _exit(SKIPPED);
+}
+
+static int make_file(const char *folder, const char *name)
+{
+    char path[SERVER_DISK_PATH];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (file >= 0) close(file);
+    return file < 0 ? -1 : 0;
+}
+
+static void use_files(struct fixture *fixture)
+{
+    char from[SERVER_DISK_PATH], to[SERVER_DISK_PATH];
+    (void)enter(fixture);
+    snprintf(from, sizeof from, "%s/temporary/x", fixture->config.data_dir);
+    snprintf(to, sizeof to, "%s/objects/x", fixture->config.data_dir);
+    INSIST(make_file(fixture->config.data_dir, "temporary/x") == 0);
+    INSIST(rename(from, to) == 0);
+    INSIST(truncate(to, 0) == 0);
+    INSIST(link(to, from) == 0);
+    INSIST(unlink(to) == 0);
+    INSIST(REFUSED(open("/etc/passwd", O_RDONLY), EACCES));
+    INSIST(REFUSED(open(fixture->folder, O_RDONLY | O_DIRECTORY), EACCES));
+    INSIST(REFUSED(make_file(fixture->outside, "x"), EACCES));
+    INSIST(REFUSED(symlink("/etc/passwd", to), EACCES));
+    INSIST(REFUSED(execl("/bin/true", "true", NULL), EACCES));
+}
+
+static void the_data_folder_is_all_there_is(void **state)
+{
+    assert_fine(*state, use_files);
+}
+
+/* The folder of the keys and the one that their link leads to can be read, and only read. */
+static void read_keys(struct fixture *fixture)
+{
+    char keys[SERVER_DISK_PATH];
+    INSIST(make_file(fixture->outside, "real") == 0);
+    snprintf(keys, sizeof keys, "%s/real", fixture->outside);
+    snprintf(fixture->config.keys, sizeof fixture->config.keys, "%s/keys", fixture->folder);
+    INSIST(symlink(keys, fixture->config.keys) == 0);
+    (void)enter(fixture);
+    INSIST(open(fixture->config.keys, O_RDONLY) >= 0);
+    INSIST(REFUSED(open(fixture->config.keys, O_WRONLY), EACCES));
+    INSIST(REFUSED(make_file(fixture->outside, "more"), EACCES));
+    INSIST(REFUSED(unlink(keys), EACCES));
+}
+
+static void keys_can_be_read_again(void **state)
+{
+    assert_fine(*state, read_keys);
+}
+
+static void reach_out(struct fixture *fixture)
+{
+    const struct sockaddr *address = (const struct sockaddr *)&fixture->address;
+    struct sockaddr_in own = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    (void)enter(fixture);
+    int outgoing = socket(AF_INET, SOCK_STREAM, 0), listening = socket(AF_INET, SOCK_STREAM, 0);
+    if (!REFUSED(connect(outgoing, address, sizeof fixture->address), EACCES)) _exit(SKIPPED); /* before Linux 6.7 */
+    own.sin_port = htons(1);
+    INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
+    own.sin_port = 0; /* --listen was bound before */
+    INSIST(REFUSED(bind(listening, (struct sockaddr *)&own, sizeof own), EACCES));
+}
+
+static void it_connects_to_nobody(void **state)
+{
+    assert_fine(*state, reach_out);
+}
+
+static void *try_sockets(void *user)
+{
+    int *pipes = user;
+    char byte;
+    if (read(pipes[0], &byte, 1) != 1) return NULL;
+    return REFUSED(socket(AF_INET, SOCK_STREAM, 0), ENOSYS) ? user : NULL;
+}
+
+/* Of all threads, also those that were there before. */
+static void call_what_is_no_more(struct fixture *fixture)
+{
+    int pipes[2];
+    pthread_t thread;
+    void *refused;
+    INSIST(pipe(pipes) == 0);
+    struct server_sandbox sandbox = enter(fixture);
+    INSIST(pthread_create(&thread, NULL, try_sockets, pipes) == 0);
+    server_log_set_level(SERVER_LOG_ERROR);
+    server_sandbox_seal(&sandbox);
+    if (sandbox.seccomp) _exit(SKIPPED);
+    INSIST(write(pipes[1], "", 1) == 1);
+    INSIST(pthread_join(thread, &refused) == 0 && refused);
+    INSIST(REFUSED(socket(AF_UNIX, SOCK_STREAM, 0), ENOSYS));
+    INSIST(REFUSED(fork(), ENOSYS));
+    INSIST(pthread_create(&thread, NULL, try_sockets, pipes) != 0);
+    INSIST(REFUSED(kill(getppid(), 0), ENOSYS));
+    char *page = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    INSIST(page != MAP_FAILED);
+    INSIST(REFUSED(mprotect(page, 4096, PROT_READ | PROT_EXEC), ENOSYS));
+    INSIST(mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) == MAP_FAILED &&
+           errno == ENOSYS);
+    INSIST(make_file(fixture->config.data_dir, "still") == 0);
+    free(malloc((size_t)64 << 20));
+}
+
+static void what_is_not_needed_is_no_more(void **state)
+{
+    assert_fine(*state, call_what_is_no_more);
+}
+
+/* --- calls that reach beyond the daemon ---------------------------------------------------------------------------- */
+
+#define SOME_MODE 0666
+
+struct attempt {
+    const char *name;
+    long call, arguments[6];
+};
+
+#define AT       AT_FDCWD
+#define TEXT(at) ((long)(intptr_t)(at))
+
+/* All have arguments that would do harm, or would at least not fail, outside the sandbox. */
+static void insist_on_refusals(const char *outside, const char *inside, int descriptor, pid_t other)
+{
+    static const char hidden[] = "/etc/shadow";
+    static const struct timespec times[2];
+    struct rlimit limit = {0, 0};
+    const struct sched_param none = {0};
+    long file = TEXT(outside), own = TEXT(inside), pid = other;
+    unsigned long cores[16] = {1};
+    char room[256];
+    const struct attempt attempts[] = {
+        /* modes, owners, times and attributes by path, and a setuid file inside */
+        {"fchmodat", SYS_fchmodat, {AT, file, SOME_MODE}},
+        {"fchmodat setuid", SYS_fchmodat, {AT, own, 04755}},
+        {"fchmodat inside", SYS_fchmodat, {AT, own, SOME_MODE}},
+        {"fchmod", SYS_fchmod, {descriptor, 04755}},
+        {"fchmod others", SYS_fchmod, {descriptor, SOME_MODE}},
+        {"fchownat", SYS_fchownat, {AT, file, -1, -1, 0}},
+        {"fchown", SYS_fchown, {descriptor, -1, -1}},
+        {"umask", SYS_umask, {0}},
+        {"openat setuid", SYS_openat, {AT, own, O_WRONLY | O_CREAT, 04755}},
+        {"openat setgid", SYS_openat, {AT, own, O_WRONLY | O_CREAT, 02755}},
+        {"mkdirat sticky", SYS_mkdirat, {AT, TEXT("x"), 01777}},
+        {"utimensat", SYS_utimensat, {AT, file, TEXT(times), 0}},
+        {"utimensat descriptor", SYS_utimensat, {descriptor, 0, TEXT(times), 0}},
+        {"setxattr", SYS_setxattr, {file, TEXT("user.x"), TEXT("x"), 1, 0}},
+        {"truncate", SYS_truncate, {file, 0}},
+        {"mknodat", SYS_mknodat, {AT, own, S_IFIFO | 0600, 0}},
+        {"symlinkat", SYS_symlinkat, {file, AT, own}},
+        {"faccessat", SYS_faccessat, {AT, TEXT(hidden), F_OK}},
+        {"faccessat2", 439, {AT, TEXT(hidden), F_OK, 0}},
+        {"statfs", SYS_statfs, {file, TEXT(room)}},
+        {"chdir", SYS_chdir, {TEXT("/")}},
+        {"name_to_handle_at", SYS_name_to_handle_at, {AT, file, TEXT(room), TEXT(cores), 0}},
+        {"inotify_init1", SYS_inotify_init1, {0}},
+#ifdef SYS_chmod
+        {"chmod", SYS_chmod, {file, SOME_MODE}},
+        {"chmod setuid", SYS_chmod, {own, 04755}},
+        {"open setuid", SYS_open, {own, O_WRONLY | O_CREAT, 04755}},
+        {"creat", SYS_creat, {own, SOME_MODE}},
+        {"mkdir sticky", SYS_mkdir, {TEXT("x"), 01777}},
+        {"chown", SYS_chown, {file, -1, -1}},
+        {"utimes", SYS_utimes, {file, 0}},
+        {"utime", SYS_utime, {file, 0}},
+        {"access", SYS_access, {TEXT(hidden), F_OK}},
+        {"mknod", SYS_mknod, {own, S_IFIFO | 0600, 0}},
+#endif
+        /* other processes, and the limits of this one */
+        {"prlimit64 other", SYS_prlimit64, {pid, RLIMIT_NOFILE, TEXT(&limit), 0}},
+        {"prlimit64 look", SYS_prlimit64, {pid, RLIMIT_NOFILE, 0, TEXT(&limit)}},
+        {"prlimit64 own", SYS_prlimit64, {0, RLIMIT_CORE, TEXT(&limit), 0}},
+        {"setrlimit", SYS_setrlimit, {RLIMIT_CORE, TEXT(&limit)}},
+        {"sched_setscheduler", SYS_sched_setscheduler, {pid, SCHED_IDLE, TEXT(&none)}},
+        {"sched_setparam", SYS_sched_setparam, {pid, TEXT(&none)}},
+        {"sched_setattr", SYS_sched_setattr, {pid, TEXT(room), 0}},
+        {"sched_setaffinity", SYS_sched_setaffinity, {pid, sizeof cores, TEXT(cores)}},
+        {"setpriority", SYS_setpriority, {PRIO_PROCESS, pid, 19}},
+        {"setpriority group", SYS_setpriority, {PRIO_PGRP, 0, 19}},
+        {"setpriority user", SYS_setpriority, {PRIO_USER, 0, 19}},
+        {"ioprio_set", SYS_ioprio_set, {1, pid, 3 << 13}},
+        {"kill", SYS_kill, {pid, 0}},
+        {"kill group", SYS_kill, {0, 0}},
+        {"tkill", SYS_tkill, {pid, 0}},
+        {"tgkill", SYS_tgkill, {pid, pid, 0}},
+        {"rt_sigqueueinfo", SYS_rt_sigqueueinfo, {pid, SIGUSR1, TEXT(room)}},
+        {"fcntl F_SETOWN", SYS_fcntl, {descriptor, F_SETOWN, pid}},
+        {"fcntl F_SETSIG", SYS_fcntl, {descriptor, F_SETSIG, SIGKILL}},
+        {"fcntl F_SETOWN_EX", SYS_fcntl, {descriptor, F_SETOWN_EX, TEXT(room)}},
+        {"pidfd_open", 434, {pid, 0}},
+        {"pidfd_send_signal", 424, {descriptor, 0, 0, 0}},
+        {"pidfd_getfd", 438, {descriptor, 0, 0}},
+        {"process_madvise", 440, {descriptor, 0, 0, 0, 0}},
+        {"kcmp", SYS_kcmp, {pid, pid, 0, 0, 0}},
+        {"move_pages", SYS_move_pages, {pid, 0, 0, 0, 0, 0}},
+        {"migrate_pages", SYS_migrate_pages, {pid, 1, TEXT(cores), TEXT(cores)}},
+        {"setpgid", SYS_setpgid, {0, 0}},
+        {"setuid", SYS_setuid, {0}},
+        {"capset", SYS_capset, {TEXT(room), 0}},
+        {"personality", SYS_personality, {0x0400000}},
+        {"prctl dumpable", SYS_prctl, {PR_SET_DUMPABLE, 1}},
+        {"prctl ptracer", SYS_prctl, {PR_SET_PTRACER, pid}},
+        {"seccomp", SYS_seccomp, {2, 0, 0}},
+        /* ways into the kernel */
+        {"clone", SYS_clone, {SIGCHLD, 0, 0, 0, 0}},
+        {"clone3", 435, {TEXT(room), sizeof room}},
+        {"memfd_create", SYS_memfd_create, {TEXT("x"), 0}},
+        {"io_uring_setup", 425, {1, TEXT(room)}},
+        {"add_key", SYS_add_key, {TEXT("user"), TEXT("x"), TEXT("y"), 1, -4}},
+        {"ioctl TIOCSTI", SYS_ioctl, {0, TIOCSTI, TEXT("x")}},
+        {"ioctl TIOCLINUX", SYS_ioctl, {0, TIOCLINUX, TEXT(room)}},
+        {"ioctl FIOSETOWN", SYS_ioctl, {descriptor, FIOSETOWN, TEXT(cores)}},
+        {"shmget", SYS_shmget, {0, 4096, 01600}},
+        {"pkey_mprotect", SYS_pkey_mprotect, {0, 4096, PROT_EXEC, -1}},
+        {"fanotify_init", SYS_fanotify_init, {0, 0}},
+        {"syslog", SYS_syslog, {3, TEXT(room), sizeof room}},
+        {"sethostname", SYS_sethostname, {TEXT("x"), 1}},
+        {"clock_settime", SYS_clock_settime, {CLOCK_REALTIME, TEXT(times)}},
+        {"swapoff", SYS_swapoff, {file}},
+        {"quotactl", SYS_quotactl, {0, 0, 0, 0}},
+        {"splice", SYS_splice, {0, 0, 0, 0, 0, 0}},
+        {"socketpair", SYS_socketpair, {AF_UNIX, SOCK_STREAM, 0, TEXT(room)}},
+        {"bind", SYS_bind, {0, 0, 0}},
+        {"listen", SYS_listen, {0, 1}},
+    };
+    for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++) {
+        const long *a = attempts[i].arguments;
+        if (REFUSED(syscall(attempts[i].call, a[0], a[1], a[2], a[3], a[4], a[5]), ENOSYS)) continue;
+        fprintf(stderr, "%s is not refused (%s)\n", attempts[i].name, strerror(errno));
+        _exit(WRONG);
+    }
+}
+
+/* The same of a daemon with a database, which makes sockets: of the families that it needs. */
+static void reach_beyond(struct fixture *fixture, bool connects)
+{
+    char outside[SERVER_DISK_PATH], inside[SERVER_DISK_PATH];
+    struct rlimit limit;
+    struct stat facts;
+    struct server_sandbox sandbox = enter(fixture);
+    snprintf(outside, sizeof outside, "%s/file", fixture->outside);
+    snprintf(inside, sizeof inside, "%s/file", fixture->config.data_dir);
+    INSIST(make_file(fixture->config.data_dir, "file") == 0);
+    int descriptor = open(inside, O_RDWR);
+    server_log_set_level(SERVER_LOG_ERROR);
+    sandbox.connects = connects;
+    server_sandbox_seal(&sandbox);
+    if (sandbox.seccomp) _exit(SKIPPED);
+    insist_on_refusals(outside, inside, descriptor, getppid());
+    INSIST(stat(inside, &facts) == 0 && (facts.st_mode & 07777) == 0600);
+    INSIST(setpriority(PRIO_PROCESS, 0, 19) == 0); /* what the daemon does to its own threads */
+    INSIST(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+    INSIST(fcntl(descriptor, F_SETLK, &(struct flock){.l_type = F_WRLCK}) == 0);
+    INSIST(prctl(PR_SET_NAME, "x") == 0);
+    INSIST(raise(0) == 0);
+    const int strange[] = {AF_NETLINK, AF_PACKET, AF_ALG, AF_VSOCK, AF_BLUETOOTH, AF_XDP};
+    for (size_t i = 0; i < sizeof strange / sizeof *strange; i++)
+        INSIST(REFUSED(socket(strange[i], SOCK_DGRAM, 0), ENOSYS));
+    if (!connects) return;
+    int client = socket(AF_INET, SOCK_STREAM, 0);
+    const struct sockaddr *address = (const struct sockaddr *)&fixture->address;
+    INSIST(client >= 0);
+    INSIST(REFUSED(sendto(client, "x", 1, MSG_FASTOPEN, address, sizeof fixture->address), ENOSYS));
+}
+
+static void reach_beyond_alone(struct fixture *fixture)
+{
+    reach_beyond(fixture, false);
+}
+
+static void reach_beyond_beside_a_database(struct fixture *fixture)
+{
+    reach_beyond(fixture, true);
+}
+
+static void assert_that_others_are_as_they_were(struct fixture *fixture)
+{
+    char path[SERVER_DISK_PATH];
+    struct stat facts;
+    snprintf(path, sizeof path, "%s/file", fixture->outside);
+    assert_int_equal(stat(path, &facts), 0);
+    assert_int_equal(facts.st_mode & 07777, 0600);
+    assert_int_equal(getpriority(PRIO_PROCESS, 0), 0);
+    assert_int_equal(sched_getscheduler(0), SCHED_OTHER);
+}
+
+static void other_files_and_processes_are_out_of_reach(void **state)
+{
+    struct fixture *fixture = *state;
+    assert_int_equal(make_file(fixture->outside, "file"), 0);
+    assert_fine(fixture, reach_beyond_alone);
+    assert_that_others_are_as_they_were(fixture);
+    assert_fine(fixture, reach_beyond_beside_a_database);
+    assert_that_others_are_as_they_were(fixture);
+}
+
+/* --- capabilities -------------------------------------------------------------------------------------------------- */
+
+static void look_at_capabilities(struct fixture *fixture)
+{
+    struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
+    struct __user_cap_data_struct held[_LINUX_CAPABILITY_U32S_3];
+    bool was_root = geteuid() == 0, could_come_first = setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0;
+    INSIST(setpriority(PRIO_PROCESS, 0, 0) == 0);
+    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    if (!sandbox.is_wanted) _exit(SKIPPED);
+    INSIST(!sandbox.capabilities);
+    INSIST(syscall(SYS_capget, &header, held) == 0);
+    for (int i = 0; i < _LINUX_CAPABILITY_U32S_3; i++)
+        INSIST(!held[i].effective && !held[i].permitted && !held[i].inheritable);
+    INSIST(!was_root || prctl(PR_CAPBSET_READ, 0, 0, 0, 0) == 0);
+    INSIST(!could_come_first || setpriority(PRIO_PROCESS, 0, SERVER_PLACE_NICE) == 0); /* without CAP_SYS_NICE */
+}
+
+static void there_are_no_capabilities(void **state)
+{
+    assert_fine(*state, look_at_capabilities);
+}
+
+/* --- calls that end the process ------------------------------------------------------------------------------------ */
+
+static void run_a_program(struct fixture *fixture)
+{
+    seal(fixture);
+    execl("/bin/true", "true", NULL);
+}
+
+static void read_another_process(struct fixture *fixture)
+{
+    seal(fixture);
+    syscall(SYS_process_vm_readv, getppid(), NULL, 0, NULL, 0, 0);
+}
+
+static void write_another_process(struct fixture *fixture)
+{
+    seal(fixture);
+    syscall(SYS_process_vm_writev, getppid(), NULL, 0, NULL, 0, 0);
+}
+
+static void trace(struct fixture *fixture)
+{
+    seal(fixture);
+    ptrace(PTRACE_TRACEME, 0, NULL, NULL);
+}
+
+static void leave_the_namespace(struct fixture *fixture)
+{
+    seal(fixture);
+    unshare(CLONE_NEWUSER);
+}
+
+static void enter_a_namespace(struct fixture *fixture)
+{
+    seal(fixture);
+    setns(0, CLONE_NEWNET);
+}
+
+static void load_a_filter(struct fixture *fixture)
+{
+    seal(fixture);
+    syscall(SYS_bpf, 0, NULL, 0);
+}
+
+static void watch_events(struct fixture *fixture)
+{
+    seal(fixture);
+    syscall(SYS_perf_event_open, NULL, 0, -1, -1, 0);
+}
+
+static void handle_faults(struct fixture *fixture)
+{
+    seal(fixture);
+    syscall(SYS_userfaultfd, 0);
+}
+
+static void an_intruder_ends_the_process(void **state)
+{
+    void (*const attempts[])(struct fixture *) = {run_a_program, read_another_process, write_another_process,
+                                                  trace,         leave_the_namespace,  enter_a_namespace,
+                                                  load_a_filter, watch_events,         handle_faults};
+    for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++) {
+        int status = end_of(*state, attempts[i]);
+        if (WIFEXITED(status) && WEXITSTATUS(status) == SKIPPED) skip();
+        assert_true(WIFSIGNALED(status));
+        assert_int_equal(WTERMSIG(status), SIGSYS);
+    }
+}
+
+static void stay_free(struct fixture *fixture)
+{
+    fixture->config.sandbox = SERVER_SANDBOX_OFF;
+    struct server_sandbox sandbox = server_sandbox_enter(&fixture->config);
+    server_sandbox_seal(&sandbox);
+    INSIST(!sandbox.is_wanted);
+    INSIST(open("/etc/passwd", O_RDONLY) >= 0);
+    INSIST(socket(AF_INET, SOCK_STREAM, 0) >= 0);
+}
+
+static void it_can_be_left_out(void **state)
+{
+    assert_fine(*state, stay_free);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {TEST(the_data_folder_is_all_there_is),
+                                       TEST(keys_can_be_read_again),
+                                       TEST(it_connects_to_nobody),
+                                       TEST(what_is_not_needed_is_no_more),
+                                       TEST(other_files_and_processes_are_out_of_reach),
+                                       TEST(there_are_no_capabilities),
+                                       TEST(an_intruder_ends_the_process),
+                                       TEST(it_can_be_left_out)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,394 @@
+#include "tests/unit/server/shelved.h"
+
+#include <math.h>
+
+#include "server/fields/cache_parts.h"
+
+static struct server_flight *enter(struct fixture *fixture, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    ask_often(fixture->shelf, &source);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    return flight;
+}
+
+/* Builds the field of a vertex and lands it; returns its pin. */
+static const struct server_cached *land(struct fixture *fixture, struct server_flight *flight, uint32_t vertex)
+{
+    struct gd_point source = vertex_point(fixture->mesh, vertex);
+    struct gd_field *field = new_field(fixture->mesh, &source);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, gd_field_memsize(field)));
+    const struct server_cached *cached = server_cache_land(flight, field);
+    assert_non_null(cached);
+    return cached;
+}
+
+static void add(struct fixture *fixture, uint32_t vertex)
+{
+    server_cache_unpin(land(fixture, enter(fixture, vertex), vertex));
+}
+
+#define DEAR 1e15 /* nanoseconds that no field here takes: priorities may only grow */
+
+/* What a field took to build is the clock's word, and the machine's. Fields that are added by this took the same. */
+static void add_dear(struct fixture *fixture, uint32_t vertex)
+{
+    const struct server_cached *cached = land(fixture, enter(fixture, vertex), vertex);
+    ((struct server_entry *)cached)->worth.cost = DEAR;
+    server_cache_unpin(cached);
+    server_cache_unpin(find(fixture, vertex)); /* its place in the order is that of a dear one from this use on */
+}
+
+static void finds_what_has_landed(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t vertex = 0; vertex < 40; vertex++) {
+        assert_false(has(fixture, vertex));
+        add(fixture, vertex);
+    }
+    for (uint32_t vertex = 0; vertex < 40; vertex++) {
+        struct gd_point source = vertex_point(fixture->mesh, vertex);
+        const struct server_cached *cached = find(fixture, vertex);
+        double distance = 1;
+        assert_int_equal(gd_field_distance(cached->field, &source, &distance), GD_OK);
+        assert_true(distance == 0);
+        server_cache_unpin(cached);
+    }
+    assert_int_equal(server_shelf_count(fixture->shelf), 40);
+    assert_int_equal(server_cache_statistics(fixture->cache).hits, 40);
+    assert_int_equal(server_cache_statistics(fixture->cache).misses, 40);
+}
+
+static void shelves_do_not_share(void **state)
+{
+    struct fixture *fixture = *state;
+    struct server_shelf *other = server_shelf_open(fixture->cache);
+    struct gd_point source = vertex_point(fixture->mesh, 3);
+    add(fixture, 3);
+    assert_null(server_cache_find(other, &source));
+    server_shelf_close(other);
+    server_shelf_release(other);
+    assert_true(has(fixture, 3));
+}
+
+static void one_builds_and_the_others_wait(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7), *none = NULL;
+    struct test_job waiting[3];
+    assert_false(server_cache_is_awaited(flight));
+    for (int i = 0; i < 3; i++) {
+        test_job_init(&waiting[i], NULL);
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &waiting[i].job, &none), SERVER_CACHE_WAIT);
+    }
+    assert_true(server_cache_is_awaited(flight));
+    assert_null(find(fixture, 7));
+    server_cache_unpin(land(fixture, flight, 7));
+    for (int i = 0; i < 3; i++) {
+        sem_wait(&waiting[i].done);
+        assert_int_equal(waiting[i].runs, 1);
+    }
+    assert_int_equal(server_cache_statistics(fixture->cache).builds, 1);
+    assert_int_equal(server_cache_statistics(fixture->cache).waits, 3);
+}
+
+static void few_questions_are_not_worth_a_field(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    for (int i = 0; i < SERVER_CACHE_SEARCHES; i++) {
+        assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+        server_cache_note(fixture->shelf, &source);
+    }
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_fail(flight, GD_CANCELLED);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_unpin(land(fixture, flight, 7));
+    reclaim(fixture, AMPLE); /* an evicted field has to be earned again */
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+    assert_int_equal(server_cache_statistics(fixture->cache).builds, 2);
+}
+
+static void what_came_meanwhile_is_looked_at_again(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = NULL;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    add(fixture, 7);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_AGAIN);
+    assert_null(flight);
+}
+
+/* Enters as one who has to wait. */
+static void wait_for(struct fixture *fixture, const struct gd_point *source, struct test_job *job)
+{
+    struct server_flight *none = NULL;
+    assert_int_equal(server_cache_enter(fixture->shelf, source, &job->job, &none), SERVER_CACHE_WAIT);
+}
+
+static void who_waits_for_one_that_gave_up_looks_again(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    wait_for(fixture, &source, &job);
+    server_cache_fail(flight, GD_CANCELLED);
+    sem_wait(&job.done);
+    assert_int_equal(job.runs, 1);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_BUILD);
+    server_cache_unpin(land(fixture, flight, 7));
+}
+
+static void who_waits_for_one_that_failed_does_without(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job job;
+    test_job_init(&job, NULL);
+    wait_for(fixture, &source, &job);
+    server_cache_fail(flight, GD_INTERNAL);
+    sem_wait(&job.done);
+    assert_int_equal(job.runs, 1);
+    assert_int_equal(server_cache_enter(fixture->shelf, &source, &job.job, &flight), SERVER_CACHE_SEARCH);
+}
+
+static void who_waits_has_a_deadline(void **state)
+{
+    struct fixture *fixture = *state;
+    struct gd_point source = vertex_point(fixture->mesh, 7);
+    struct server_flight *flight = enter(fixture, 7);
+    struct test_job early, late;
+    test_job_init(&early, NULL);
+    test_job_init(&late, NULL);
+    early.job.deadline_ns = 1000;
+    wait_for(fixture, &source, &late);
+    wait_for(fixture, &source, &early);
+    server_cache_expire(fixture->cache, 1000);
+    assert_int_equal(early.refusals, 1);
+    assert_int_equal(early.why, SERVER_REFUSAL_DEADLINE);
+    assert_true(server_cache_is_awaited(flight));
+    server_cache_fail(flight, GD_CANCELLED);
+    sem_wait(&late.done);
+    assert_int_equal(late.runs, 1);
+}
+
+static void closing_ends_the_fields_but_not_the_pins(void **state)
+{
+    struct fixture *fixture = *state;
+    add(fixture, 1);
+    add(fixture, 2);
+    const struct server_cached *pinned = find(fixture, 1);
+    struct server_flight *flight = enter(fixture, 3);
+    server_shelf_close(fixture->shelf);
+    assert_false(has(fixture, 1));
+    assert_int_equal(server_shelf_count(fixture->shelf), 0);
+    assert_in_range(fixture->budget.used[SERVER_BUDGET_FIELDS], gd_field_memsize(pinned->field),
+                    gd_field_memsize(pinned->field) + 512);
+    server_cache_unpin(land(fixture, flight, 3)); /* lands, and is gone with its pin */
+    assert_false(has(fixture, 3));
+    server_cache_unpin(pinned);
+    assert_int_equal(fixture->budget.used[SERVER_BUDGET_FIELDS], 0);
+}
+
+/* Shrinks the budget to what is held now, so that one more byte has to be reclaimed. */
+static void fill_up(struct fixture *fixture)
+{
+    fixture->budget.limit = fixture->budget.total;
+}
+
+static void evicts_what_is_least_used(void **state)
+{
+    struct fixture *fixture = *state;
+    for (uint32_t vertex = 0; vertex < 8; vertex++) add_dear(fixture, vertex);
+    for (int use = 0; use < 20; use++)
+        for (uint32_t vertex = 0; vertex < 8; vertex++)
+            if (vertex != 5) assert_true(has(fixture, vertex));
+    fill_up(fixture);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
+    server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
+    assert_int_equal(server_cache_statistics(fixture->cache).evictions, 1);
+    assert_false(has(fixture, 5));
+}
+
+static void what_was_used_long_ago_goes_too(void **state)
+{
+    struct fixture *fixture = *state;
+    add_dear(fixture, 0);
+    for (int use = 0; use < 20; use++) assert_true(has(fixture, 0));
+    for (uint32_t vertex = 1; vertex < 160; vertex++) {
+        add_dear(fixture, vertex);
+        fill_up(fixture); /* room for one only */
+        assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, 1));
+        server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, 1);
+        fixture->budget.limit = AMPLE;
+    }
+    assert_int_equal(server_shelf_count(fixture->shelf), 1);
+    assert_false(has(fixture, 0));
+}
+
+static void what_is_pinned_stays(void **state)
+{
+    struct fixture *fixture = *state;
+    add(fixture, 0);
+    add(fixture, 1);
+    const struct server_cached *pinned = find(fixture, 0);
+    size_t bytes = fixture->budget.total;
+    fill_up(fixture);
+    assert_false(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    assert_true(has(fixture, 0));
+    assert_false(has(fixture, 1));
+    server_cache_unpin(pinned);
+    assert_true(server_budget_take(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes));
+    server_budget_give(&fixture->budget, SERVER_BUDGET_FLIGHT, bytes);
+    assert_false(has(fixture, 0));
+}
+
+/* --- fields of sets ----------------------------------------------------------------------------------------------- */
+
+static void sets_are_told_apart(void **state)
+{
+    struct fixture *fixture = *state;
+    struct set plain, moved, turned;
+    make_set(fixture, &plain, 0, 0);
+    make_set(fixture, &moved, 0.5, 0);
+    make_set(fixture, &turned, 0, 0);
+    turned.seeds[0] = plain.seeds[1];
+    turned.seeds[1] = plain.seeds[0];
+    struct set *const sets[] = {&plain, &moved, &turned};
+    for (size_t i = 0; i < COUNT(sets); i++) {
+        assert_false(has_set(fixture, &sets[i]->request));
+        land_set(fixture, claim(fixture, &sets[i]->request), &sets[i]->request);
+        assert_true(has_set(fixture, &sets[i]->request));
+    }
+    assert_false(has(fixture, 3));
+    assert_int_equal(server_shelf_count(fixture->shelf), 3);
+    server_cache_drop(fixture->shelf, &moved.request);
+    server_cache_drop(fixture->shelf, &moved.request);
+    assert_false(has_set(fixture, &moved.request));
+    assert_true(has_set(fixture, &plain.request));
+}
+
+static void the_field_of_one_point_is_that_of_pairs(void **state)
+{
+    struct fixture *fixture = *state;
+    struct set set;
+    uint32_t count;
+    make_set(fixture, &set, 0, 0)->seed_count = 1;
+    land_set(fixture, claim(fixture, &set.request), &set.request);
+    assert_true(has(fixture, 3));
+    struct set near;
+    make_set(fixture, &near, 0, 0.5)->seed_count = 1;
+    near.seeds[0] = near.seeds[1];
+    land_set(fixture, claim(fixture, &near.request), &near.request);
+    assert_true(has_set(fixture, &near.request));
+    assert_false(has(fixture, 8)); /* pairs want the whole */
+    const struct server_cached **points = server_shelf_pin_points(fixture->shelf, &count);
+    assert_int_equal(count, 1); /* without the one that is not whole */
+    assert_false(isfinite(gd_field_reach(points[0]->field)));
+    server_cache_unpin(points[0]);
+    free(points);
+}
+
+static void who_claims_what_has_just_failed_is_told(void **state)
+{
+    struct fixture *fixture = *state;
+    struct set set, other;
+    struct server_flight *flight = claim(fixture, make_set(fixture, &set, 0, 0)), *none = NULL;
+    struct test_job job;
+    enum gd_status why = GD_OK;
+    test_job_init(&job, NULL);
+    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why), SERVER_CACHE_WAIT);
+    server_cache_fail(flight, GD_BUDGET);
+    sem_wait(&job.done);
+    assert_int_equal(server_cache_claim(fixture->shelf, &set.request, &job.job, &none, &why), SERVER_CACHE_SEARCH);
+    assert_int_equal(why, GD_BUDGET);
+    flight = claim(fixture, make_set(fixture, &other, 1, 0));
+    server_cache_fail(flight, GD_DEADLINE); /* its builder's own: the next one may do better */
+    land_set(fixture, claim(fixture, &other.request), &other.request);
+}
+
+struct reader {
+    struct fixture *fixture;
+    uint32_t seed;
+};
+
+/* Asks for random sources, builds what is missing, takes memory away meanwhile. */
+static void *read_and_build(void *user)
+{
+    struct reader *reader = user;
+    struct fixture *fixture = reader->fixture;
+    for (int step = 0; step < 300; step++) {
+        uint32_t vertex = (reader->seed = reader->seed * 1664525 + 1013904223) >> 8 & 15;
+        struct gd_point source = vertex_point(fixture->mesh, vertex);
+        const struct server_cached *cached = server_cache_find(fixture->shelf, &source);
+        struct server_flight *flight = NULL;
+        struct test_job job;
+        test_job_init(&job, NULL);
+        ask_often(fixture->shelf, &source);
+        switch (server_cache_enter(fixture->shelf, &source, &job.job, &flight)) {
+        case SERVER_CACHE_BUILD:
+            if (step % 3 == 0)
+                server_cache_fail(flight, step % 2 ? GD_CANCELLED : GD_INTERNAL);
+            else
+                server_cache_unpin(land(fixture, flight, vertex));
+            break;
+        case SERVER_CACHE_WAIT:
+            sem_wait(&job.done);
+            break;
+        case SERVER_CACHE_AGAIN:
+        case SERVER_CACHE_SEARCH:
+            break;
+        }
+        server_cache_unpin(cached);
+        if (step % 50 == 0) reclaim(fixture, 1 << 16);
+    }
+    return NULL;
+}
+
+static void many_threads_at_once(void **state)
+{
+    struct reader readers[4];
+    pthread_t threads[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        readers[i] = (struct reader){*state, i};
+        pthread_create(&threads[i], NULL, read_and_build, &readers[i]);
+    }
+    for (int i = 0; i < 4; i++) pthread_join(threads[i], NULL);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(finds_what_has_landed),
+        TEST(shelves_do_not_share),
+        TEST(one_builds_and_the_others_wait),
+        TEST(what_came_meanwhile_is_looked_at_again),
+        TEST(few_questions_are_not_worth_a_field),
+        TEST(who_waits_for_one_that_gave_up_looks_again),
+        TEST(who_waits_for_one_that_failed_does_without),
+        TEST(who_waits_has_a_deadline),
+        TEST(closing_ends_the_fields_but_not_the_pins),
+        TEST(evicts_what_is_least_used),
+        TEST(what_was_used_long_ago_goes_too),
+        TEST(what_is_pinned_stays),
+        TEST(sets_are_told_apart),
+        TEST(the_field_of_one_point_is_that_of_pairs),
+        TEST(who_claims_what_has_just_failed_is_told),
+        TEST(many_threads_at_once),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,246 @@
+#include "tests/unit/server/support.h"
+
+#include <zlib.h>
+
+#include "server/http/body.h"
+#include "server/base/inflate.h"
+
+#define LIMIT 10000
+
+static struct server_budget budget;
+static struct server_body body;
+static struct proto_problem problem;
+
+static bool prepare(size_t memory, uint64_t declared)
+{
+    server_budget_init(&budget, memory);
+    body = (struct server_body){0};
+    return server_body_prepare(&body, &budget, declared, LIMIT, &problem);
+}
+
+static void append_all(size_t size)
+{
+    char bytes[100];
+    for (size_t sent = 0; sent < size; sent += sizeof bytes) {
+        memset(bytes, (int)(sent / sizeof bytes), sizeof bytes);
+        assert_true(server_body_append(&body, &budget, bytes, size - sent < sizeof bytes ? size - sent : sizeof bytes));
+    }
+}
+
+static void collects_what_arrives(void **state)
+{
+    (void)state;
+    static const uint64_t declared[] = {9000, SERVER_BODY_CHUNKED};
+    for (size_t i = 0; i < COUNT(declared); i++) {
+        assert_true(prepare(1 << 20, declared[i]));
+        append_all(9000);
+        assert_true(server_body_check(&body, &budget, &problem));
+        assert_int_equal(body.size, 9000);
+        assert_int_equal(body.bytes[8999], 89);
+        assert_int_equal(budget.total, body.capacity);
+        if (declared[i] == 9000) assert_int_equal(body.capacity, 9000); /* no more than was declared */
+        server_body_drop(&body, &budget);
+        assert_int_equal(budget.total, 0);
+    }
+}
+
+static void holds_memory_for_what_arrived_only(void **state)
+{
+    (void)state;
+    assert_true(prepare(1 << 20, LIMIT));
+    assert_int_equal(budget.total, 0);
+    append_all(100);
+    assert_true(budget.total < LIMIT);
+    server_body_drop(&body, &budget);
+}
+
+static void refuses_a_length_before_it_is_sent(void **state)
+{
+    (void)state;
+    assert_false(prepare(1 << 20, LIMIT + 1));
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+    assert_int_equal(problem.limit, LIMIT);
+    assert_false(prepare(5000, LIMIT));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+    assert_int_equal(problem.limit, 5000);
+}
+
+static size_t walk(void *user)
+{
+    (void)user;
+    fail_msg("all meshes were walked, with room for the body");
+    return 0;
+}
+
+static void a_length_that_finds_room_is_cheap_to_accept(void **state)
+{
+    (void)state;
+    server_budget_init(&budget, LIMIT);
+    budget.reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){NULL, walk, NULL};
+    body = (struct server_body){0};
+    assert_true(server_body_prepare(&body, &budget, LIMIT, LIMIT, &problem));
+}
+
+static void remembers_that_chunks_passed_the_limit(void **state)
+{
+    (void)state;
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED));
+    append_all(LIMIT);
+    assert_true(server_body_check(&body, &budget, &problem));
+    append_all(1);
+    append_all(500);
+    assert_int_equal(budget.total, 0);
+    assert_false(server_body_check(&body, &budget, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+    server_body_drop(&body, &budget);
+}
+
+static void remembers_that_chunks_passed_the_budget(void **state)
+{
+    (void)state;
+    assert_true(prepare(6000, SERVER_BODY_CHUNKED));
+    append_all(9000);
+    assert_int_equal(budget.total, 0);
+    assert_false(server_body_check(&body, &budget, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+    server_body_drop(&body, &budget);
+}
+
+static void drops_a_client_that_trickles(void **state)
+{
+    (void)state;
+    assert_true(prepare(1 << 20, LIMIT));
+    body.started_ns -= UINT64_C(29000000000);
+    append_all(1); /* anybody may take so long */
+    body.started_ns -= UINT64_C(31000000000);
+    assert_false(server_body_append(&body, &budget, "x", 1));
+    server_body_drop(&body, &budget);
+}
+
+/* --- packed bodies ------------------------------------------------------------------------------------------------ */
+
+/* `size` bytes of one value, packed, for the caller to free. */
+static unsigned char *pack(size_t size, size_t *packed_size)
+{
+    z_stream stream = {0};
+    unsigned char *bytes = calloc(1, size), *packed = malloc(size + 1024);
+    memset(bytes, 'x', size);
+    assert_int_equal(deflateInit2(&stream, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    stream.next_in = bytes;
+    stream.avail_in = (uInt)size;
+    stream.next_out = packed;
+    stream.avail_out = (uInt)size + 1024;
+    assert_int_equal(deflate(&stream, Z_FINISH), Z_STREAM_END);
+    *packed_size = stream.total_out;
+    deflateEnd(&stream);
+    free(bytes);
+    return packed;
+}
+
+/* Sends a body of that size packed, in pieces; `cut` bytes of its end are left out. True: it was taken. */
+static bool send_packed(uint64_t limit, size_t size, size_t piece, size_t cut)
+{
+    size_t packed_size;
+    unsigned char *packed = pack(size, &packed_size);
+    server_budget_init(&budget, 64 << 20);
+    body = (struct server_body){0};
+    assert_true(server_body_prepare(&body, &budget, SERVER_BODY_CHUNKED, limit, &problem));
+    assert_true(server_body_unpack(&body, &budget, &problem));
+    assert_int_equal(budget.total, SERVER_INFLATE_BYTES);
+    packed_size -= cut;
+    for (size_t at = 0; at < packed_size; at += piece)
+        assert_true(
+            server_body_append(&body, &budget, packed + at, piece < packed_size - at ? piece : packed_size - at));
+    free(packed);
+    return server_body_check(&body, &budget, &problem);
+}
+
+static void unpacks_what_comes_packed(void **state)
+{
+    (void)state;
+    static const size_t sizes[] = {0, 1, 16383, 16384, 16385, 32768, 1 << 20}, pieces[] = {1, 100, 1 << 20};
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        for (size_t j = 0; j < COUNT(pieces); j++) {
+            assert_true(send_packed(1 << 20, sizes[i], pieces[j], 0));
+            assert_int_equal(body.size, sizes[i]);
+            assert_true(!sizes[i] || (body.bytes[0] == 'x' && body.bytes[sizes[i] - 1] == 'x'));
+            assert_int_equal(budget.total, body.capacity);
+            server_body_drop(&body, &budget);
+            assert_int_equal(budget.total, 0);
+        }
+    }
+}
+
+static void refuses_what_unpacks_badly(void **state)
+{
+    (void)state;
+    assert_false(send_packed(1000, 1001, 100, 0));
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+    assert_int_equal(problem.limit, 1000);
+    assert_false(send_packed(1 << 30, 10 << 20, 100, 0)); /* a thousand times its size */
+    assert_int_equal(problem.code, PROTO_PROBLEM_TOO_LARGE);
+    assert_non_null(strstr(problem.detail, "attack"));
+    for (size_t cut = 1; cut < 20; cut++) {
+        assert_false(send_packed(1000, 100, 100, cut));
+        assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
+        server_body_drop(&body, &budget);
+    }
+    assert_int_equal(budget.total, 0);
+}
+
+static void refuses_what_is_not_packed(void **state)
+{
+    (void)state;
+    static const char plain[] = "v 0 0 0";
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    assert_true(server_body_append(&body, &budget, plain, sizeof plain));
+    assert_true(server_body_append(&body, &budget, plain, sizeof plain));
+    assert_int_equal(budget.total, 0);
+    assert_false(server_body_check(&body, &budget, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INVALID_REQUEST);
+}
+
+/* Members one after the other are one body; rubbish behind them is none. */
+static void unpacks_several_members(void **state)
+{
+    (void)state;
+    size_t size;
+    unsigned char *packed = pack(100, &size);
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    for (int i = 0; i < 3; i++) assert_true(server_body_append(&body, &budget, packed, size));
+    assert_true(server_body_check(&body, &budget, &problem));
+    assert_int_equal(body.size, 300);
+    server_body_drop(&body, &budget);
+    assert_true(prepare(1 << 20, SERVER_BODY_CHUNKED) && server_body_unpack(&body, &budget, &problem));
+    assert_true(server_body_append(&body, &budget, packed, size));
+    assert_true(server_body_append(&body, &budget, "rubbish", 7));
+    assert_false(server_body_check(&body, &budget, &problem));
+    free(packed);
+}
+
+static void finds_no_memory_to_unpack(void **state)
+{
+    (void)state;
+    assert_true(prepare(SERVER_INFLATE_BYTES - 1, SERVER_BODY_CHUNKED));
+    assert_false(server_body_unpack(&body, &budget, &problem));
+    assert_int_equal(problem.code, PROTO_PROBLEM_INSUFFICIENT_MEMORY);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(collects_what_arrives),
+        cmocka_unit_test(holds_memory_for_what_arrived_only),
+        cmocka_unit_test(refuses_a_length_before_it_is_sent),
+        cmocka_unit_test(a_length_that_finds_room_is_cheap_to_accept),
+        cmocka_unit_test(remembers_that_chunks_passed_the_limit),
+        cmocka_unit_test(remembers_that_chunks_passed_the_budget),
+        cmocka_unit_test(drops_a_client_that_trickles),
+        cmocka_unit_test(unpacks_what_comes_packed),
+        cmocka_unit_test(refuses_what_unpacks_badly),
+        cmocka_unit_test(refuses_what_is_not_packed),
+        cmocka_unit_test(unpacks_several_members),
+        cmocka_unit_test(finds_no_memory_to_unpack),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,122 @@
+#include "tests/unit/server/support.h"
+
+#include "server/http/etag.h"
+
+static bool holds(const char *if_match, const char *if_none_match, const char *etag)
+{
+    return server_precondition_holds(&(struct server_precondition){{if_match}, {if_none_match}}, etag);
+}
+
+static void if_match(void **state)
+{
+    (void)state;
+    assert_true(holds(NULL, NULL, "a"));
+    assert_true(holds(NULL, NULL, NULL));
+    assert_true(holds("\"a\"", NULL, "a"));
+    assert_true(holds("\"x\", \"a\"", NULL, "a"));
+    assert_true(holds("*", NULL, "a"));
+    assert_false(holds("\"b\"", NULL, "a"));
+    assert_false(holds("a", NULL, "a")); /* a tag has quotes */
+    assert_false(holds("\"aa\"", NULL, "a"));
+    assert_false(holds("*", NULL, NULL));
+    assert_false(holds("\"a\"", NULL, NULL));
+}
+
+static void if_none_match(void **state)
+{
+    (void)state;
+    assert_true(holds(NULL, "*", NULL));
+    assert_true(holds(NULL, "\"b\"", "a"));
+    assert_true(holds(NULL, "\"a\"", NULL));
+    assert_false(holds(NULL, "*", "a"));
+    assert_false(holds(NULL, "\"b\", \"a\"", "a"));
+}
+
+static void weak_tags(void **state)
+{
+    (void)state;
+    assert_false(holds("W/\"a\"", NULL, "a")); /* strong comparison: a weak tag equals nothing */
+    assert_true(holds("W/\"a\", \"a\"", NULL, "a"));
+    assert_false(holds(NULL, "W/\"a\"", "a"));
+    assert_false(holds(NULL, "\"b\" ,W/\"a\"", "a"));
+    assert_true(holds(NULL, "w/\"a\"", "a")); /* the W is a capital */
+}
+
+static enum server_etag_form known(const char *list)
+{
+    return server_precondition_known(&(struct server_precondition){.if_none_match = {list}}, "a");
+}
+
+static void lists(void **state)
+{
+    (void)state;
+    static const char *const with[] = {"\"a\"",          " \"a\"",     "\"x\",\"a\"", ",,\"x\" ,\t\"a\",",
+                                       "\"x,y\", \"a\"", "\"\", \"a\""};
+    static const char *const without[] = {"",   "\"",  "\"a",     "a",          "\"x\" * \"a\"",
+                                          "W/", "W/a", "\"a\\\"", "\"x, \"a\"", "**"};
+    for (size_t i = 0; i < COUNT(with); i++) assert_int_equal(known(with[i]), SERVER_ETAG_PLAIN);
+    for (size_t i = 0; i < COUNT(without); i++) assert_int_equal(known(without[i]), SERVER_ETAG_NONE);
+}
+
+static void any_with_blanks_around_it(void **state)
+{
+    (void)state;
+    static const char *const any[] = {"* ", "*\t", " *", "\t * \t "};
+    for (size_t i = 0; i < COUNT(any); i++) {
+        assert_false(holds(NULL, any[i], "a"));
+        assert_true(holds(NULL, any[i], NULL));
+        assert_true(holds(any[i], NULL, "a"));
+        assert_false(holds(any[i], NULL, NULL));
+    }
+}
+
+static void several_lines_are_one_list(void **state)
+{
+    (void)state;
+    const struct server_precondition match = {.if_match = {"\"x\"", "W/\"a\"", "\"b\", \"a\""}};
+    const struct server_precondition none_match = {.if_none_match = {"\"x\"", "broken", "\"a\""}};
+    assert_true(server_precondition_holds(&match, "a"));
+    assert_true(server_precondition_holds(&match, "b"));
+    assert_false(server_precondition_holds(&match, "c"));
+    assert_false(server_precondition_holds(&none_match, "a"));
+    assert_false(server_precondition_holds(&none_match, "x"));
+    assert_true(server_precondition_holds(&none_match, "c"));
+}
+
+static void the_packed_form_is_the_same_resource(void **state)
+{
+    (void)state;
+    assert_true(holds("\"a-gzip\"", NULL, "a"));
+    assert_false(holds(NULL, "\"x\", W/\"a-gzip\"", "a"));
+    assert_int_equal(known("\"a-gzip\", \"a\""), SERVER_ETAG_PACKED);
+    static const char *const others[] = {"\"a-gzi\"", "\"a-gzip-gzip\"", "\"b-gzip\"", "\"-gzip\"", "\"a-GZIP\""};
+    for (size_t i = 0; i < COUNT(others); i++) assert_int_equal(known(others[i]), SERVER_ETAG_NONE);
+}
+
+static void read_from_a_request(void **state)
+{
+    (void)state;
+    struct server_exchange exchange = {
+        .headers = {{"if-match", "\"a\""}, {"If-None-Match", "1"}, {"IF-MATCH", "\"b\""}}, .header_count = 3};
+    const struct server_precondition precondition = server_precondition_read(&exchange);
+    assert_string_equal(precondition.if_match[0], "\"a\"");
+    assert_string_equal(precondition.if_match[1], "\"b\"");
+    assert_null(precondition.if_match[2]);
+    assert_string_equal(precondition.if_none_match[0], "1");
+    assert_null(precondition.if_none_match[1]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(if_match),
+        cmocka_unit_test(if_none_match),
+        cmocka_unit_test(weak_tags),
+        cmocka_unit_test(lists),
+        cmocka_unit_test(any_with_blanks_around_it),
+        cmocka_unit_test(several_lines_are_one_list),
+        cmocka_unit_test(the_packed_form_is_the_same_resource),
+        cmocka_unit_test(read_from_a_request),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,279 @@
+#include "tests/unit/server/support.h"
+
+#include "gd/control.h"
+#include "server/http/events.h"
+
+#define SECOND UINT64_C(1000000000)
+
+/* A source that counts, and a reader that remembers what was asked of it. */
+static struct {
+    uint64_t version;
+    bool is_last, is_content;
+    int told, released;
+} source;
+
+static struct {
+    int pauses, resumes;
+    bool is_gone;
+} reader;
+
+static uint64_t version(void *user)
+{
+    (void)user;
+    return source.version;
+}
+
+static bool tell(void *user, struct proto_writer *writer)
+{
+    (void)user;
+    proto_append_format(writer, "news %d\n\n", ++source.told);
+    return !source.is_last;
+}
+
+static void release(void *user)
+{
+    (void)user;
+    source.released++;
+}
+
+static void pause_reader(void *user)
+{
+    (void)user;
+    reader.pauses++;
+}
+
+static void resume_reader(void *user)
+{
+    (void)user;
+    reader.resumes++;
+}
+
+static bool is_gone(void *user)
+{
+    (void)user;
+    return reader.is_gone;
+}
+
+static struct server_events *events;
+
+static int set_up(void **state)
+{
+    (void)state;
+    memset(&source, 0, sizeof source);
+    memset(&reader, 0, sizeof reader);
+    events = server_events_create();
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    assert_int_equal(server_events_count(events), 0);
+    server_events_destroy(events);
+    return 0;
+}
+
+static struct server_stream *open_stream(void)
+{
+    const struct server_event_source told = {
+        .version = version, .tell = tell, .release = release, .user = &source, .is_content = source.is_content};
+    struct server_stream *stream = server_stream_open(events, &told);
+    server_stream_attach(stream, (struct server_stream_reader){pause_reader, resume_reader, is_gone, NULL});
+    return stream;
+}
+
+static void assert_reads(struct server_stream *stream, const char *expected)
+{
+    char bytes[64];
+    ptrdiff_t size = server_stream_read(stream, bytes, sizeof bytes);
+    assert_int_equal(size, strlen(expected));
+    assert_memory_equal(bytes, expected, strlen(expected));
+}
+
+static void assert_pauses(struct server_stream *stream)
+{
+    char byte;
+    int before = reader.pauses;
+    assert_int_equal(server_stream_read(stream, &byte, 1), 0);
+    assert_int_equal(reader.pauses, before + 1);
+}
+
+static void assert_ended(struct server_stream *stream)
+{
+    char byte;
+    assert_int_equal(server_stream_read(stream, &byte, 1), -1);
+}
+
+static void tells_how_things_stand_and_then_waits(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    assert_int_equal(server_events_count(events), 1);
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    server_events_tick(events, gd_now_ns());
+    assert_int_equal(reader.resumes, 0);
+    server_stream_close(stream);
+    assert_int_equal(source.released, 1);
+}
+
+static void a_message_is_read_in_pieces_of_any_size(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    char bytes[16] = "";
+    for (int i = 0; i < 8; i++) assert_int_equal(server_stream_read(stream, bytes + i, 1), 1);
+    assert_string_equal(bytes, "news 1\n\n");
+    assert_pauses(stream);
+    server_stream_close(stream);
+}
+
+static void what_is_woken_is_told_at_once_and_others_are_left_alone(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    server_events_wake(events, &reader);
+    assert_int_equal(reader.resumes, 0);
+    server_events_wake(events, &source);
+    server_events_wake(events, &source); /* a reader that is not paused is not resumed */
+    assert_int_equal(reader.resumes, 1);
+    assert_reads(stream, "news 2\n\n");
+    assert_pauses(stream);
+    server_stream_close(stream);
+}
+
+static void progress_is_told_ten_times_a_second_at_most(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    source.version++;
+    server_events_tick(events, gd_now_ns());
+    assert_int_equal(reader.resumes, 0);
+    server_events_tick(events, gd_now_ns() + SECOND / 10);
+    assert_int_equal(reader.resumes, 1);
+    server_stream_close(stream);
+}
+
+static void silence_is_broken(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    server_events_tick(events, gd_now_ns() + 14 * SECOND);
+    assert_int_equal(reader.resumes, 0);
+    server_events_tick(events, gd_now_ns() + 15 * SECOND);
+    assert_int_equal(reader.resumes, 1);
+    server_stream_close(stream);
+}
+
+static void the_last_message_ends_the_stream(void **state)
+{
+    (void)state;
+    source.is_last = true;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_ended(stream);
+    server_events_wake(events, &source);
+    assert_ended(stream);
+    server_stream_close(stream);
+}
+
+static void a_client_that_hung_up_ends_its_stream(void **state)
+{
+    (void)state;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    reader.is_gone = true;
+    server_events_tick(events, gd_now_ns());
+    assert_int_equal(reader.resumes, 1);
+    assert_ended(stream);
+    server_stream_close(stream);
+}
+
+static void all_end(void **state)
+{
+    (void)state;
+    struct server_stream *paused = open_stream();
+    assert_reads(paused, "news 1\n\n");
+    assert_pauses(paused);
+    server_events_end(events);
+    assert_int_equal(reader.resumes, 1);
+    assert_ended(paused);
+    struct server_stream *late = open_stream();
+    assert_reads(late, "news 2\n\n");
+    assert_ended(late);
+    server_stream_close(paused);
+    server_stream_close(late);
+}
+
+static void content_is_told_at_once_and_nothing_else(void **state)
+{
+    (void)state;
+    source.is_content = true;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    source.version++;
+    assert_reads(stream, "news 2\n\n");
+    assert_pauses(stream);
+    server_events_end(events);
+    server_events_tick(events, gd_now_ns() + 60 * SECOND);
+    assert_int_equal(reader.resumes, 0);
+    source.version++;
+    source.is_last = true;
+    assert_reads(stream, "news 3\n\n");
+    assert_ended(stream);
+    server_stream_close(stream);
+}
+
+static void content_that_is_cut_says_so(void **state)
+{
+    (void)state;
+    char byte;
+    source.is_content = true;
+    struct server_stream *stream = open_stream();
+    assert_reads(stream, "news 1\n\n");
+    assert_pauses(stream);
+    reader.is_gone = true;
+    server_events_tick(events, gd_now_ns() + 2 * SECOND);
+    assert_int_equal(server_stream_read(stream, &byte, 1), SERVER_STREAM_CUT);
+    server_stream_close(stream);
+}
+
+static void many_come_and_go(void **state)
+{
+    (void)state;
+    struct server_stream *streams[5];
+    for (int i = 0; i < 5; i++) streams[i] = open_stream();
+    static const int order[] = {2, 0, 4, 1, 3};
+    for (int i = 0; i < 5; i++) {
+        server_stream_close(streams[order[i]]);
+        server_events_wake(events, &source); /* walks over those that are left */
+    }
+    assert_int_equal(source.released, 5);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(tells_how_things_stand_and_then_waits),
+        TEST(a_message_is_read_in_pieces_of_any_size),
+        TEST(what_is_woken_is_told_at_once_and_others_are_left_alone),
+        TEST(progress_is_told_ten_times_a_second_at_most),
+        TEST(silence_is_broken),
+        TEST(the_last_message_ends_the_stream),
+        TEST(a_client_that_hung_up_ends_its_stream),
+        TEST(all_end),
+        TEST(content_is_told_at_once_and_nothing_else),
+        TEST(content_that_is_cut_says_so),
+        TEST(many_come_and_go),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,154 @@
+#include "tests/unit/server/support.h"
+
+#include "server/http/events.h"
+#include "server/http/relay.h"
+#include "server/server.h"
+
+static struct server server;
+static struct server_relay *relay;
+static struct server_stream *stream;
+
+static void ignore(void *user)
+{
+    (void)user;
+}
+
+static bool is_gone(void *user)
+{
+    (void)user;
+    return false;
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    server_budget_init(&server.budget, 64 << 20);
+    server.events = server_events_create();
+    server.workers = server_workers_create(1, 10);
+    relay = server_relay_create(&server, false);
+    stream = server_relay_open(relay);
+    server_stream_attach(stream, (struct server_stream_reader){ignore, ignore, is_gone, NULL});
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    server_stream_close(stream);
+    server_relay_release(relay);
+    server_workers_destroy(server.workers);
+    server_events_destroy(server.events);
+    assert_int_equal(server.budget.total, 0);
+    return 0;
+}
+
+static void write_blocks(char byte, size_t count)
+{
+    char block[4096];
+    memset(block, byte, sizeof block);
+    for (size_t i = 0; i < count; i++) server_relay_write(relay, block, sizeof block);
+}
+
+/* Reads that many bytes, all of them the same. */
+static void assert_reads(char expected, size_t size)
+{
+    char bytes[4096];
+    while (size > 0) {
+        ptrdiff_t read = server_stream_read(stream, bytes, size < sizeof bytes ? size : sizeof bytes);
+        assert_true(read > 0);
+        for (ptrdiff_t i = 0; i < read; i++) assert_int_equal(bytes[i], expected);
+        size -= (size_t)read;
+    }
+}
+
+static void assert_ends(ptrdiff_t how)
+{
+    char byte;
+    assert_int_equal(server_stream_read(stream, &byte, 1), how);
+}
+
+static void brings_all_in_order_and_ends(void **state)
+{
+    (void)state;
+    write_blocks('a', 3);
+    assert_reads('a', 5000);
+    write_blocks('b', 20);
+    assert_reads('a', 3 * 4096 - 5000);
+    server_relay_end(relay, true);
+    assert_reads('b', 20 * 4096);
+    assert_ends(SERVER_STREAM_END);
+}
+
+static void tells_of_a_cut(void **state)
+{
+    (void)state;
+    write_blocks('a', 1);
+    server_relay_end(relay, false);
+    assert_reads('a', 4096);
+    assert_ends(SERVER_STREAM_CUT);
+}
+
+static void a_writer_that_is_far_ahead_waits_until_half_is_read(void **state)
+{
+    (void)state;
+    const size_t blocks = SERVER_RELAY_MOST / 4096;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    write_blocks('a', blocks - 1);
+    assert_false(server_relay_wait(relay, &job.job));
+    write_blocks('a', 1);
+    assert_true(server_relay_wait(relay, &job.job));
+    assert_reads('a', SERVER_RELAY_MOST / 4);
+    assert_int_equal(server_workers_load(server.workers).queued + job.runs, 0);
+    assert_reads('a', SERVER_RELAY_MOST / 4);
+    sem_wait(&job.done);
+    assert_false(server_relay_wait(relay, &job.job));
+    server_relay_end(relay, true);
+    assert_reads('a', SERVER_RELAY_MOST / 2);
+    assert_ends(SERVER_STREAM_END);
+}
+
+static void who_waits_is_told_that_the_client_has_left(void **state)
+{
+    (void)state;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    write_blocks('a', SERVER_RELAY_MOST / 4096);
+    assert_true(server_relay_wait(relay, &job.job));
+    assert_false(server_relay_is_over(relay));
+    server_stream_close(stream);
+    stream = NULL;
+    sem_wait(&job.done);
+    assert_true(server_relay_is_over(relay));
+    assert_false(server_relay_wait(relay, &job.job));
+    write_blocks('a', 1); /* into nothing */
+    server_relay_end(relay, true);
+}
+
+static void at_the_daemons_end_nobody_waits(void **state)
+{
+    (void)state;
+    struct test_job job;
+    test_job_init(&job, NULL);
+    server_workers_cancel(server.workers);
+    write_blocks('a', SERVER_RELAY_MOST / 4096);
+    assert_false(server_relay_wait(relay, &job.job));
+    assert_true(server_relay_is_over(relay));
+    server_relay_end(relay, true);
+    assert_reads('a', SERVER_RELAY_MOST);
+    assert_ends(SERVER_STREAM_CUT);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(brings_all_in_order_and_ends),
+        TEST(tells_of_a_cut),
+        TEST(a_writer_that_is_far_ahead_waits_until_half_is_read),
+        TEST(who_waits_is_told_that_the_client_has_left),
+        TEST(at_the_daemons_end_nobody_waits),
+    };
+#undef TEST
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,264 @@
+/* The queue of batches over each database: SQLite in memory, and PostgreSQL where GEODESICD_TEST_STORE names one. */
+#include "tests/unit/server/folder.h"
+#include "tests/unit/server/support.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+
+#include "server/jobs/batch_queue.h"
+
+#define ID_A "000000000000000000000001"
+#define ID_B "000000000000000000000002"
+
+static int set_up_local(void **state)
+{
+    char error[256] = "";
+    struct server_store_sql *sql =
+        server_store_sql_local_open(":memory:", server_batch_queue_tables, error, sizeof error);
+    if (!sql) fail_msg("%s", error);
+    *state = sql;
+    return 0;
+}
+
+static int set_up_shared(void **state)
+{
+    const char *url = getenv("GEODESICD_TEST_STORE");
+    char error[512] = "";
+    *state = NULL;
+    if (!url) return 0;
+    struct server_store *store = server_store_postgres_open(url, error, sizeof error); /* makes the tables */
+    if (!store) fail_msg("%s", error);
+    store->close(store);
+    struct server_store_sql *sql = server_store_sql_postgres_open(url);
+    assert_int_equal(sql->run(sql, "DELETE FROM batches", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, "DELETE FROM items", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+    *state = sql;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct server_store_sql *sql = *state;
+    if (sql) sql->close(sql);
+    return 0;
+}
+
+static struct server_store_sql *sql_of(void **state)
+{
+    if (!*state) skip();
+    return *state;
+}
+
+static void add(struct server_store_sql *sql, const char *id, const char *tenant, int64_t items)
+{
+    struct server_batch batch = {.items = items, .created = 1763730000};
+    snprintf(batch.id, sizeof batch.id, "%s", id);
+    const struct server_batch_order order = {&batch, tenant, "{\"a\":\0}", 7, "tag"};
+    for (int i = 0; i < 2; i++) /* as if the answer of the first had been lost */
+        assert_int_equal(server_batch_queue_add(sql, &order), SERVER_STORE_DONE);
+}
+
+static struct server_batch_claim claim_after(struct server_store_sql *sql, const char *node, const char *after)
+{
+    struct server_batch_claim claim = {.id = ""};
+    enum server_store_outcome outcome = server_batch_queue_claim(sql, node, after, &claim);
+    assert_true(outcome == SERVER_STORE_DONE || outcome == SERVER_STORE_ABSENT);
+    if (outcome) claim.item = -1;
+    return claim;
+}
+
+static struct server_batch_claim claim(struct server_store_sql *sql, const char *node)
+{
+    return claim_after(sql, node, "");
+}
+
+static struct server_batch find(struct server_store_sql *sql, const char *tenant, const char *id)
+{
+    struct server_batch batch;
+    assert_int_equal(server_batch_queue_find(sql, tenant, id, &batch), SERVER_STORE_DONE);
+    return batch;
+}
+
+static void answer(struct server_store_sql *sql, const char *id, int64_t item, unsigned status, const char *text)
+{
+    assert_int_equal(server_batch_queue_answer(sql, id, item, status, text, strlen(text)), SERVER_STORE_DONE);
+}
+
+/* --- tests -------------------------------------------------------------------------------------------------------- */
+
+static void batches_are_their_tenants(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    struct server_batch batch, batches[4];
+    uint32_t count;
+    int64_t total;
+    void *document;
+    size_t size;
+    add(sql, ID_A, "ann", 3);
+    add(sql, ID_B, "ann", 1);
+    assert_int_equal(server_batch_queue_find(sql, "bob", ID_A, &batch), SERVER_STORE_ABSENT);
+    batch = find(sql, "ann", ID_A);
+    assert_int_equal(batch.items, 3);
+    assert_int_equal(batch.created, 1763730000);
+    assert_int_equal(batch.done + batch.failed + batch.is_cancelled, 0);
+    assert_int_equal(server_batch_queue_count(sql, "ann", &total), SERVER_STORE_DONE);
+    assert_int_equal(total, 2);
+    assert_int_equal(server_batch_queue_list(sql, "ann", "", 4, batches, &count), SERVER_STORE_DONE);
+    assert_int_equal(count, 2);
+    assert_int_equal(server_batch_queue_list(sql, "ann", ID_A, 4, batches, &count), SERVER_STORE_DONE);
+    assert_int_equal(count, 1);
+    assert_string_equal(batches[0].id, ID_B);
+    assert_int_equal(server_batch_queue_document(sql, ID_A, &document, &size), SERVER_STORE_DONE);
+    assert_int_equal(size, 7);
+    assert_memory_equal(document, "{\"a\":\0}", 7);
+    free(document);
+}
+
+static void each_item_is_taken_once_the_oldest_batch_first(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    add(sql, ID_B, "", 1);
+    add(sql, ID_A, "ann", 2);
+    struct server_batch_claim first = claim(sql, "x");
+    assert_string_equal(first.id, ID_A);
+    assert_string_equal(first.tenant, "ann");
+    assert_string_equal(first.etag, "tag");
+    assert_int_equal(first.item, 0);
+    assert_int_equal(first.attempts, 1);
+    assert_int_equal(claim(sql, "y").item, 1);
+    assert_string_equal(claim(sql, "x").id, ID_B);
+    assert_int_equal(claim(sql, "x").item, -1);
+}
+
+static void tenants_take_turns(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    static const char *const asked[] = {"bob", "cid", "ann", "bob", "ann", "bob"};
+    struct server_batch_claim last = {.tenant = "ann"};
+    add(sql, ID_A, "ann", 100);
+    add(sql, ID_B, "bob", 3);
+    add(sql, "000000000000000000000003", "cid", 1);
+    for (size_t i = 0; i < COUNT(asked); i++) {
+        last = claim_after(sql, "x", last.tenant);
+        assert_string_equal(last.tenant, asked[i]);
+    }
+    for (int i = 0; i < 98; i++) {
+        last = claim_after(sql, "x", last.tenant);
+        assert_string_equal(last.tenant, "ann");
+    }
+    assert_int_equal(claim_after(sql, "x", last.tenant).item, -1);
+}
+
+static bool on_answer(void *user, const struct server_sql_value *row)
+{
+    char *text = user;
+    sprintf(text + strlen(text), "%d:%d:%.*s ", (int)row[0].integer, (int)row[1].integer, (int)row[2].size,
+            row[2].bytes);
+    return true;
+}
+
+static void the_first_answer_stays(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    char text[128] = "";
+    add(sql, ID_A, "", 3);
+    answer(sql, ID_A, 2, 404, "no");
+    answer(sql, ID_A, 0, 200, "yes");
+    answer(sql, ID_A, 0, 200, "again");
+    assert_int_equal(server_batch_queue_answers(sql, ID_A, -1, 10, on_answer, text), SERVER_STORE_DONE);
+    assert_string_equal(text, "0:200:yes 2:404:no ");
+    struct server_batch batch = find(sql, "", ID_A);
+    assert_int_equal(batch.done, 2);
+    assert_int_equal(batch.failed, 1);
+    assert_int_equal(claim(sql, "x").item, 1);
+}
+
+static void a_lease_is_renewed_by_who_has_it_and_given_back(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    add(sql, ID_A, "", 1);
+    struct server_batch_claim taken = claim(sql, "x");
+    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "y"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_return(sql, &taken, "y", false, 0), SERVER_STORE_DONE); /* not his */
+    assert_int_equal(claim(sql, "y").item, -1);
+    assert_int_equal(server_batch_queue_return(sql, &taken, "x", false, 0), SERVER_STORE_DONE);
+    taken = claim(sql, "y");
+    assert_int_equal(taken.item, 0);
+    assert_int_equal(taken.attempts, 1);
+    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_return(sql, &taken, "y", true, 60000), SERVER_STORE_DONE);
+    assert_int_equal(claim(sql, "x").item, -1); /* in a minute */
+    assert_int_equal(server_batch_queue_return_all(sql), SERVER_STORE_DONE);
+    assert_int_equal(claim(sql, "x").attempts, 2);
+}
+
+static void what_is_cancelled_is_not_begun(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    struct server_batch batch;
+    add(sql, ID_A, "", 2);
+    assert_int_equal(claim(sql, "x").item, 0);
+    assert_int_equal(server_batch_queue_cancel(sql, ID_A), SERVER_STORE_DONE);
+    assert_true(find(sql, "", ID_A).is_cancelled);
+    assert_int_equal(claim(sql, "x").item, -1);
+    assert_int_equal(server_batch_queue_renew(sql, ID_A, 0, "x"), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_remove(sql, ID_A), SERVER_STORE_DONE);
+    assert_int_equal(server_batch_queue_find(sql, "", ID_A, &batch), SERVER_STORE_ABSENT);
+    assert_int_equal(server_batch_queue_remove(sql, ID_A), SERVER_STORE_DONE);
+}
+
+static void count_aside(void *user, const char *path, const char *name)
+{
+    (void)path;
+    *(uint32_t *)user += strncmp(name, "batches.db.damaged-", 19) == 0;
+}
+
+static void what_is_no_statement_is_refused(void **state)
+{
+    struct server_store_sql *sql = sql_of(state);
+    assert_true(sql->run(sql, "SELECT FROM nothing AT ALL", NULL, 0, NULL, NULL) != SERVER_STORE_DONE);
+    assert_int_equal(sql->run(sql, "SELECT 1", NULL, 0, NULL, NULL), SERVER_STORE_DONE);
+}
+
+/* More than SQLite keeps in memory, so that pages are read again. */
+static void a_database_that_is_damaged_while_it_is_used_is_set_aside(void **state)
+{
+    char folder[FOLDER_PATH], path[SERVER_DISK_PATH], error[256];
+    static const char rubbish[1 << 20];
+    (void)state;
+    folder_make(folder);
+    snprintf(path, sizeof path, "%s/batches.db", folder);
+    struct server_store_sql *sql = server_store_sql_local_open(path, server_batch_queue_tables, error, sizeof error);
+    assert_non_null(sql);
+    add(sql, ID_A, "", 200000);
+    int file = open(path, O_WRONLY);
+    for (off_t at = sizeof rubbish; at < 6 * (off_t)sizeof rubbish; at += sizeof rubbish)
+        assert_int_equal(pwrite(file, rubbish, sizeof rubbish, at), sizeof rubbish);
+    close(file);
+    assert_int_equal(sql->run(sql, "SELECT sum(item) FROM items", NULL, 0, NULL, NULL), SERVER_STORE_READ_ONLY);
+    add(sql, ID_B, "", 2); /* a new one */
+    assert_int_equal(claim(sql, "x").item, 0);
+    sql->close(sql);
+    uint32_t aside = 0;
+    assert_true(server_disk_each(folder, count_aside, &aside));
+    assert_true(aside >= 1);
+    folder_remove(folder);
+}
+
+#define EACH(test)                                                                                                     \
+    cmocka_unit_test_setup_teardown(test, set_up_local, tear_down),                                                    \
+        cmocka_unit_test_setup_teardown(test, set_up_shared, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {EACH(batches_are_their_tenants),
+                                       EACH(each_item_is_taken_once_the_oldest_batch_first),
+                                       EACH(tenants_take_turns),
+                                       EACH(the_first_answer_stays),
+                                       EACH(a_lease_is_renewed_by_who_has_it_and_given_back),
+                                       EACH(what_is_cancelled_is_not_begun),
+                                       EACH(what_is_no_statement_is_refused),
+                                       cmocka_unit_test(a_database_that_is_damaged_while_it_is_used_is_set_aside)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,193 @@
+#include "tests/unit/server/support.h"
+
+#include "server/work/budget.h"
+
+static void counts_by_class(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 60));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_MESHES, 41));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 40));
+    server_budget_move(&budget, SERVER_BUDGET_FLIGHT, SERVER_BUDGET_FIELDS, 60);
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 60);
+    assert_int_equal(server_budget_available(&budget), 60); /* fields could be evicted */
+    server_budget_give(&budget, SERVER_BUDGET_FIELDS, 60);
+    assert_int_equal(budget.total, 40);
+}
+
+static void sums_do_not_overflow(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 50));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, SIZE_MAX));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, SIZE_MAX - 49));
+    assert_int_equal(budget.total, 50);
+}
+
+static void adjusts_to_what_is_held(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 80));
+    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 80, 30);
+    assert_int_equal(budget.total, 30);
+    server_budget_adjust(&budget, SERVER_BUDGET_FLIGHT, 30, 120); /* it is there, so it counts */
+    assert_int_equal(budget.total, 120);
+    assert_int_equal(server_budget_available(&budget), 0);
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 1));
+}
+
+static void idle_workspaces_can_be_had_and_spare_memory_can_not(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_WORKSPACES, 30));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_SPARE, 10));
+    assert_int_equal(server_budget_available(&budget), 90);
+}
+
+static size_t count_walks(void *user)
+{
+    (*(int *)user)++;
+    return 40;
+}
+
+static void looks_at_what_could_go_only_when_room_is_short(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    int walks = 0;
+    server_budget_init(&budget, 100);
+    budget.reclaimers[SERVER_RECLAIM_IDLE] = (struct server_reclaimer){NULL, count_walks, &walks};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 70));
+    assert_true(server_budget_could_take(&budget, 30));
+    assert_int_equal(walks, 0);
+    assert_true(server_budget_could_take(&budget, 70));
+    assert_false(server_budget_could_take(&budget, 71));
+    assert_false(server_budget_could_take(&budget, SIZE_MAX));
+    assert_int_equal(walks, 3);
+}
+
+static void reclaim_workspaces(void *user, size_t bytes)
+{
+    struct server_budget *budget = user;
+    (void)bytes;
+    server_budget_give(budget, SERVER_BUDGET_WORKSPACES, budget->used[SERVER_BUDGET_WORKSPACES]);
+}
+
+static void reclaim_fields(void *user, size_t bytes)
+{
+    struct server_budget *budget = user;
+    assert_int_equal(bytes, 10);
+    server_budget_give(budget, SERVER_BUDGET_FIELDS, 40);
+}
+
+static void reclaims_what_is_missing(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 90));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 20));
+    assert_int_equal(budget.total, 70);
+}
+
+static void workspaces_go_before_fields(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    budget.reclaimers[SERVER_RECLAIM_WORKSPACES] = (struct server_reclaimer){reclaim_workspaces, NULL, &budget};
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 60));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_WORKSPACES, 35));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 40));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 60);
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 10));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 20);
+}
+
+static void does_not_evict_for_what_can_not_be_had(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 100);
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){reclaim_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_MESHES, 50));
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 50));
+    assert_false(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 51));
+    assert_int_equal(budget.used[SERVER_BUDGET_FIELDS], 50);
+}
+
+#define KIB ((size_t)1 << 10)
+
+static void answers_leave_a_part_to_others(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    assert_int_equal(budget.largest_answer, 512 * KIB);
+    assert_true(server_budget_take_answer(&budget, 500 * KIB));
+    assert_false(server_budget_take_answer(&budget, 100 * KIB)); /* half of the budget is for all of them */
+    assert_true(server_budget_take_answer(&budget, 60 * KIB));   /* small ones may have more, */
+    for (int i = 0; i < 3; i++) assert_true(server_budget_take_answer(&budget, 64 * KIB));
+    assert_false(server_budget_take_answer(&budget, 64 * KIB)); /* but not all */
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FLIGHT, 200 * KIB));
+    assert_int_equal(server_budget_available(&budget), 1024 * KIB - budget.total);
+    server_budget_give(&budget, SERVER_BUDGET_ANSWERS, budget.used[SERVER_BUDGET_ANSWERS]);
+    assert_int_equal(budget.total, 200 * KIB);
+}
+
+static void give_fields(void *user, size_t bytes)
+{
+    server_budget_give(user, SERVER_BUDGET_FIELDS, bytes);
+}
+
+static void answers_may_take_what_fields_hold(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    budget.reclaimers[SERVER_RECLAIM_FIELDS] = (struct server_reclaimer){give_fields, NULL, &budget};
+    assert_true(server_budget_take(&budget, SERVER_BUDGET_FIELDS, 1000 * KIB));
+    assert_true(server_budget_take_answer(&budget, 500 * KIB));
+    assert_false(server_budget_take_answer(&budget, SIZE_MAX));
+    assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 500 * KIB);
+}
+
+static void texts_take_from_the_answers(void **state)
+{
+    (void)state;
+    struct server_budget budget;
+    server_budget_init(&budget, 1024 * KIB);
+    assert_true(budget.answers.take(budget.answers.user, 10 * KIB));
+    assert_int_equal(budget.used[SERVER_BUDGET_ANSWERS], 10 * KIB);
+    budget.answers.give(budget.answers.user, 10 * KIB);
+    assert_int_equal(budget.total, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(counts_by_class),
+        cmocka_unit_test(sums_do_not_overflow),
+        cmocka_unit_test(adjusts_to_what_is_held),
+        cmocka_unit_test(idle_workspaces_can_be_had_and_spare_memory_can_not),
+        cmocka_unit_test(looks_at_what_could_go_only_when_room_is_short),
+        cmocka_unit_test(reclaims_what_is_missing),
+        cmocka_unit_test(workspaces_go_before_fields),
+        cmocka_unit_test(does_not_evict_for_what_can_not_be_had),
+        cmocka_unit_test(answers_leave_a_part_to_others),
+        cmocka_unit_test(answers_may_take_what_fields_hold),
+        cmocka_unit_test(texts_take_from_the_answers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

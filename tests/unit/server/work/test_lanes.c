@@ -1,0 +1,215 @@
+#include "tests/unit/server/support.h"
+
+#include <stdio.h>
+
+#include "server/work/lanes.h"
+
+#define MS UINT64_C(1000000)
+
+static struct server_lanes lanes;
+static struct server_job jobs[1000];
+static char names[1000][8];
+
+static int set_up(void **state)
+{
+    (void)state;
+    memset(jobs, 0, sizeof jobs);
+    for (size_t i = 0; i < COUNT(jobs); i++) jobs[i].deadline_ns = UINT64_MAX;
+    server_lanes_init(&lanes, 2, 256);
+    return 0;
+}
+
+static bool push(int job, const char *tenant, bool is_patient)
+{
+    jobs[job].is_patient = is_patient;
+    return server_lanes_push(&lanes, server_lanes_of(&lanes, tenant), &jobs[job]);
+}
+
+/* The number of the job that was taken; -1: none. */
+static int take(bool is_spare)
+{
+    const struct server_job *job = server_lanes_take(&lanes, is_spare);
+    return job ? (int)(job - jobs) : -1;
+}
+
+static void end(int job, uint64_t ns)
+{
+    server_lanes_end(&lanes, jobs[job].lane, jobs[job].is_patient, ns);
+}
+
+static void take_all(void)
+{
+    for (int job; (job = take(false)) >= 0;) end(job, MS);
+    assert_null(lanes.active);
+}
+
+static void a_lane_keeps_the_order(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 10; i++) assert_true(push(i, i % 2 ? NULL : "", false));
+    server_lanes_push_front(&lanes, server_lanes_of(&lanes, ""), &jobs[10]);
+    assert_int_equal(server_lanes_queued(&lanes), 11);
+    for (int i = -1; i < 10; i++) {
+        int job = take(false);
+        assert_int_equal(job, i < 0 ? 10 : i);
+        end(job, MS);
+    }
+    assert_int_equal(take(false), -1);
+    take_all();
+}
+
+static void tenants_take_turns(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 100; i++) assert_true(push(i, "flood", false));
+    for (int i = 100; i < 103; i++) assert_true(push(i, "other", false));
+    int own = 0;
+    for (int i = 0; i < 6; i++) {
+        int job = take(false);
+        own += job >= 100;
+        end(job, MS);
+    }
+    assert_int_equal(own, 3);
+    take_all();
+}
+
+/* Of a tenant with long jobs and one with short ones each gets half of the time, and in between
+ * neither more than a job. */
+static void turns_are_of_time(void **state)
+{
+    (void)state;
+    uint64_t used[2] = {0};
+    for (int i = 0; i < 100; i++) assert_true(push(i, "long", false));
+    for (int i = 100; i < 200; i++) assert_true(push(i, "short", false));
+    while (used[0] + used[1] < 500 * MS) {
+        int job = take(false);
+        used[job >= 100] += job >= 100 ? 5 * MS : 50 * MS;
+        end(job, job >= 100 ? 5 * MS : 50 * MS);
+    }
+    assert_in_range(used[0], 200 * MS, 300 * MS);
+    take_all();
+}
+
+static void who_was_idle_saves_nothing_up(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 50; i++) assert_true(push(i, "early", false));
+    for (int i = 0; i < 20; i++) end(take(false), 100 * MS);
+    for (int i = 100; i < 150; i++) assert_true(push(i, "late", false));
+    int late = 0;
+    for (int i = 0; i < 20; i++) {
+        int job = take(false);
+        late += job >= 100;
+        end(job, 100 * MS);
+    }
+    assert_in_range(late, 9, 11);
+    take_all();
+}
+
+static void the_tenant_with_fewest_running_is_next(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 4; i++) assert_true(push(i, "flood", false));
+    int first = take(false), second = take(false);
+    assert_true(push(100, "other", false));
+    assert_int_equal(take(false), 100);
+    end(first, MS);
+    end(second, MS);
+    end(100, 500 * MS);
+    take_all();
+}
+
+static void urgent_jobs_go_first_but_patient_ones_do_not_starve(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) assert_true(push(i, "ann", true));
+    for (int i = 100; i < 200; i++) assert_true(push(i, "ann", false));
+    int before = 0, job;
+    while ((job = take(false)) >= 100) {
+        end(job, MS);
+        before++;
+    }
+    end(job, MS);
+    assert_in_range(before, 2, 99);
+    take_all();
+}
+
+/* Whatever one tenant sends, there is a place for each of some others, of either kind. */
+static void a_tenant_leaves_places_free(void **state)
+{
+    (void)state;
+    lanes.is_shared = true;
+    for (int kind = 0; kind < SERVER_LANE_KINDS; kind++) {
+        int at = 500 * kind, queued = 0;
+        while (push(at + queued, "flood", kind)) queued++;
+        assert_int_equal(queued, 128);
+        for (int i = 0; i < 6; i++) {
+            snprintf(names[i], sizeof names[i], "t%d", i);
+            assert_true(push(at + 400 + i, names[i], kind));
+        }
+    }
+    take_all();
+}
+
+static void alone_it_has_all_places(void **state)
+{
+    (void)state;
+    int queued = 0;
+    while (push(queued, "", false)) queued++;
+    assert_int_equal(queued, 256);
+    assert_true(push(queued, "", true));
+    take_all();
+}
+
+static void a_spare_worker_keeps_promises_only(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 5; i++) assert_true(push(i, "flood", false));
+    int first = take(false), second = take(false);
+    assert_int_equal(take(true), -1);
+    assert_true(push(100, "other", false));
+    assert_true(push(101, "other", false));
+    assert_int_equal(take(true), 100);
+    assert_int_equal(take(true), -1);
+    end(100, MS);
+    assert_int_equal(take(true), 101);
+    end(101, MS);
+    end(first, MS);
+    end(second, MS);
+    take_all();
+}
+
+static void late_jobs_are_taken_out_of_all_lanes(void **state)
+{
+    (void)state;
+    int late = 0;
+    for (int i = 0; i < 60; i++) {
+        jobs[i].deadline_ns = i % 3 ? UINT64_MAX : 5;
+        assert_true(push(i, i % 2 ? "ann" : "bob", i % 5 == 0));
+    }
+    for (struct server_job *job = server_lanes_expire(&lanes, 5); job; job = job->next) late++;
+    assert_int_equal(late, 20);
+    assert_int_equal(server_lanes_queued(&lanes), 40);
+    assert_true(push(100, "ann", false));
+    int left = 0;
+    for (int job; (job = take(false)) >= 0; left++) end(job, MS);
+    assert_int_equal(left, 41);
+    assert_null(lanes.active);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(a_lane_keeps_the_order, set_up),
+        cmocka_unit_test_setup(tenants_take_turns, set_up),
+        cmocka_unit_test_setup(turns_are_of_time, set_up),
+        cmocka_unit_test_setup(who_was_idle_saves_nothing_up, set_up),
+        cmocka_unit_test_setup(the_tenant_with_fewest_running_is_next, set_up),
+        cmocka_unit_test_setup(urgent_jobs_go_first_but_patient_ones_do_not_starve, set_up),
+        cmocka_unit_test_setup(a_tenant_leaves_places_free, set_up),
+        cmocka_unit_test_setup(alone_it_has_all_places, set_up),
+        cmocka_unit_test_setup(a_spare_worker_keeps_promises_only, set_up),
+        cmocka_unit_test_setup(late_jobs_are_taken_out_of_all_lanes, set_up),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
